@@ -66,7 +66,6 @@ class MultirotorController : public ControlLaw {
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const Measured& measured) noexcept;
-  void followNothing() noexcept;
   void follow(const Reference& reference, double thrust, double yaw) noexcept;
   const ControlReport& answer(const VehicleState& state, const Reference& reference) noexcept;
   bool readStages() noexcept;
@@ -97,10 +96,8 @@ class MultirotorController : public ControlLaw {
   double observed_until_ = 0.0;
   bool observing_ = false;
   AttitudeTrim trim_;
-  // What of the reference the last command followed, and its whole tilt; 0 where another law sent it.
-  FollowedTilt followed_;
-  TiltAngles wanted_tilt_;                                       // [rad]
-  Eigen::Vector3d followed_velocity_ = Eigen::Vector3d::Zero();  // [m/s]
+  // By the last command; nothing where another law sent it.
+  FollowedReference followed_;
   // What gain and lag that were found added to the last command [rad].
   TiltAngles feed_forward_;
   PositionIntegrator integrator_;

@@ -38,7 +38,6 @@ class NonlinearController : public ControlLaw {
 
  private:
   int observe(const VehicleState& state, const EulerAngles& angles) noexcept;
-  void followNothing() noexcept;
   void predictYaw(double yaw, const Reference* preview) noexcept;
   Eigen::Vector3d disturbanceAt(const Reference& reference) const noexcept;
   StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
@@ -68,13 +67,8 @@ class NonlinearController : public ControlLaw {
   Eigen::Vector3d disturbance_rate_ = Eigen::Vector3d::Zero();
   // Drag along the axes of W that the model leaves out [1/s].
   Eigen::Vector3d drag_ = Eigen::Vector3d::Zero();
-  // Tilt that the reference needs: in all, and without a disturbance.
-  TiltAngles path_tilt_;  // [rad]
-  FollowedTilt undisturbed_tilt_;
-  // What of the reference the last command followed, and its whole tilt; 0 where another law sent it.
-  FollowedTilt followed_;
-  TiltAngles wanted_tilt_;                                       // [rad]
-  Eigen::Vector3d followed_velocity_ = Eigen::Vector3d::Zero();  // [m/s]
+  // What the next command follows, and by the last one; nothing where another law sent it.
+  FollowedReference path_, followed_;
   // N + 1 stages; the last one has the yaw at the end.
   std::vector<StageConditions> stages_;
   std::vector<StageReference> references_;  // N + 1

@@ -46,12 +46,13 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   return loop;
 }
 
-bool isFollowed(const TiltAngles& wanted, const TiltAngles& tilt,
-                const Eigen::Vector3d& velocity_error) noexcept {
+bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity) noexcept {
   constexpr double kTilt = 0.1;      // [rad]
   constexpr double kVelocity = 0.5;  // [m/s]
-  return std::hypot(tilt.roll - wanted.roll, tilt.pitch - wanted.pitch) < kTilt &&
-         velocity_error.norm() < kVelocity;
+  const TiltAngles& whole = followed.whole_tilt;
+  return std::hypot(tilt.roll - whole.roll, tilt.pitch - whole.pitch) < kTilt &&
+         (velocity - followed.velocity).norm() < kVelocity;
 }
 
 AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& options)
@@ -71,7 +72,8 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
 }
 
 // c1 s + c2 s' is the part of the disturbance with which the model's angle ends where the loop's does that was found:
-// after these periods the latter is what its own lag makes of it. `turned` is the command that the coupling stands for in the model.
+// after these periods the latter is what its own lag makes of it. `turned` is the command that the coupling stands for in
+// the model.
 void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, double turned,
                               int periods) const noexcept {
   const double whole = command + turned;

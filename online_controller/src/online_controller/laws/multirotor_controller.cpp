@@ -316,7 +316,7 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
-  followNothing();
+  followed_ = {};
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
@@ -334,13 +334,13 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  if (!isFollowed(wanted_tilt_, measured.tilt, state.velocity - followed_velocity_)) followNothing();
+  if (!isFollowed(followed_, measured.tilt, state.velocity)) followed_ = {};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].observe(measured.axes[i], applied_[i], periods,
-                     followed_velocity_(static_cast<Eigen::Index>(i)));
+                     followed_.velocity(static_cast<Eigen::Index>(i)));
   }
-  trim_.update(measured.tilt, report_.command, periods, followed_);
-  followNothing();
+  trim_.update(measured.tilt, report_.command, periods, followed_.tilt);
+  followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
@@ -373,27 +373,21 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   }
 }
 
-// Until something is sent.
-void MultirotorController::followNothing() noexcept {
-  followed_ = {};
-  wanted_tilt_ = {};
-  followed_velocity_.setZero();
-}
-
 // The axes' angles are T / g times the tilt. Euler angles turn with the body besides.
 void MultirotorController::follow(const Reference& reference, double thrust, double yaw) noexcept {
   const double share = options_.gravity / thrust;
   const double turn = report_.command.yaw_rate;
-  wanted_tilt_ = worldToBodyTilt({share * axes_[1].goal().angle, share * axes_[0].goal().angle}, yaw);
+  followed_.whole_tilt = worldToBodyTilt({share * axes_[1].goal().angle, share * axes_[0].goal().angle}, yaw);
   const Eigen::Vector3d nothing = Eigen::Vector3d::Zero();
   const AxisTarget forward = axes_[0].undisturbedGoal(along(reference, nothing, 0));
   const AxisTarget across = axes_[1].undisturbedGoal(along(reference, nothing, 1));
-  followed_.angle = worldToBodyTilt({share * across.angle, share * forward.angle}, yaw);
-  followed_.rate = worldToBodyTilt({share * across.rate, share * forward.rate}, yaw);
-  followed_.rate.roll += turn * followed_.angle.pitch;
-  followed_.rate.pitch -= turn * followed_.angle.roll;
-  followed_velocity_ = reference.velocity;
-  feed_forward_ = trim_.feedForward(followed_, turn);
+  FollowedTilt& tilt = followed_.tilt;
+  tilt.angle = worldToBodyTilt({share * across.angle, share * forward.angle}, yaw);
+  tilt.rate = worldToBodyTilt({share * across.rate, share * forward.rate}, yaw);
+  tilt.rate.roll += turn * tilt.angle.pitch;
+  tilt.rate.pitch -= turn * tilt.angle.roll;
+  followed_.velocity = reference.velocity;
+  feed_forward_ = trim_.feedForward(tilt, turn);
 }
 
 // The tilt stays in the world-aligned frame, in which the axes are modelled, while the body yaws.
@@ -455,7 +449,7 @@ void MultirotorController::forget(LawMemory what) noexcept {
 }
 
 void MultirotorController::forgetPlan() noexcept {
-  followNothing();
+  followed_ = {};
   for (AxisReport& axis : report_.axis) axis.input = 0.0;
   inputs_.fill(0.0);
   applied_.fill(0.0);

@@ -144,22 +144,14 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  if (!isFollowed(wanted_tilt_, {angles.roll, angles.pitch}, state.velocity - followed_velocity_))
-    followNothing();
-  observer_.update(state, report_.command.thrust / options_.mass, periods, followed_velocity_);
-  trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_);
-  followNothing();
+  if (!isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity)) followed_ = {};
+  observer_.update(state, report_.command.thrust / options_.mass, periods, followed_.velocity);
+  trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_.tilt);
+  followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
   return periods;
-}
-
-// Until something is sent.
-void NonlinearController::followNothing() noexcept {
-  followed_ = {};
-  wanted_tilt_ = {};
-  followed_velocity_.setZero();
 }
 
 void NonlinearController::predictYaw(double yaw, const Reference* preview) noexcept {
@@ -232,8 +224,7 @@ void NonlinearController::makeReferences(const Reference* preview) noexcept {
   const StageReference next = onPath(soon, yaw_ + period * stages_.front().yaw_rate,
                                      disturbanceAt(soon) + period * disturbance_rate_);
   lead(now, next, period_decay_);
-  path_tilt_ = {now.roll, now.pitch};
-  undisturbed_tilt_ = undisturbedTilt(*preview, soon);
+  path_ = {undisturbedTilt(*preview, soon), {now.roll, now.pitch}, preview->velocity};
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,
@@ -329,10 +320,8 @@ void NonlinearController::send(const EulerAngles& angles, const Reference& refer
   AttitudeCommand& command = report_.command;
   command.yaw_rate = yawRate(options_, reference, angles.yaw);
   const TiltAngles by = added({angles.roll, angles.pitch}, command.yaw_rate);
-  const TiltAngles ahead = trim_.feedForward(undisturbed_tilt_, command.yaw_rate);
-  followed_ = undisturbed_tilt_;
-  wanted_tilt_ = path_tilt_;
-  followed_velocity_ = reference.velocity;
+  const TiltAngles ahead = trim_.feedForward(path_.tilt, command.yaw_rate);
+  followed_ = path_;
   // The QP meets the bounds up to rounding; what is sent meets them exactly.
   command.roll =
       std::clamp(u(0) + sooner_.roll + by.roll + ahead.roll, -options_.angle_max, options_.angle_max);
@@ -377,7 +366,7 @@ void NonlinearController::forget(LawMemory what) noexcept {
 }
 
 void NonlinearController::forgetPlan() noexcept {
-  followNothing();
+  followed_ = {};
   has_command_ = false;
   report_.axis.fill(AxisReport{});
   iterating_ = false;
@@ -391,7 +380,7 @@ void NonlinearController::track(const VehicleState& state, const AttitudeCommand
   has_command_ = true;
   iterating_ = false;
   prepared_ = false;
-  followNothing();
+  followed_ = {};
 }
 
 }  // namespace polyfly

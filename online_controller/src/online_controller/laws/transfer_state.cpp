@@ -35,8 +35,6 @@ void MultirotorController::transferState(const ControlLaw& from) noexcept {
   limit(options_, report_.command);
   applied_ = other->applied_;
   followed_ = other->followed_;
-  wanted_tilt_ = other->wanted_tilt_;
-  followed_velocity_ = other->followed_velocity_;
   feed_forward_ = other->feed_forward_;
   if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
   observed_until_ = other->observed_until_;
@@ -53,11 +51,7 @@ void NonlinearController::transferState(const ControlLaw& from) noexcept {
   report_.level_trim = trim_.level();
   limit(options_, report_.command);
   yaw_ = other->yaw_;
-  path_tilt_ = other->path_tilt_;
-  undisturbed_tilt_ = other->undisturbed_tilt_;
   followed_ = other->followed_;
-  wanted_tilt_ = other->wanted_tilt_;
-  followed_velocity_ = other->followed_velocity_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
   has_command_ = other->has_command_;
