@@ -3,6 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "mpc_core/parametric_program.hpp"
+#include "offline_mpt/partition.hpp"
+#include "region_maps/region_map.hpp"
+
 namespace polyfly::bench {
 
 using Json = nlohmann::ordered_json;
@@ -40,5 +44,8 @@ Json timeLookups(const LookupArguments& arguments);
 Json compareTrees(const TreeArguments& arguments);
 Json timeCertificate(const CertifyArguments& arguments);
 Json calibrate();
+
+// Which map was measured: what its rows begin with.
+Json sizesOf(const ParametricProgram& program, const Partition& partition, const RegionMap& map);
 
 }  // namespace polyfly::bench

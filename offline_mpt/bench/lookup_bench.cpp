@@ -145,6 +145,19 @@ void addTimes(Json& result, const std::string& key, const Times& times) {
 
 }  // namespace
 
+Json sizesOf(const ParametricProgram& program, const Partition& partition, const RegionMap& map) {
+  Json result;
+  result["problem"] = program.name;
+  result["status"] = toString(partition.status);
+  result["parameters"] = program.parameterCount();
+  result["regions"] = map.regionCount();
+  result["laws"] = map.lawCount();
+  result["nodes"] = map.nodeCount();
+  result["depth"] = map.cost().depth;
+  result["multiply_adds"] = map.cost().multiply_adds;
+  return result;
+}
+
 Json timeLookups(const LookupArguments& arguments) {
   const ParametricProgram program = loadProgram(arguments.problem);
   const Partition partition = explore(program);
@@ -155,17 +168,9 @@ Json timeLookups(const LookupArguments& arguments) {
   std::mt19937_64 random(arguments.seed);
   const std::vector<double> box = drawBox(map, arguments.samples, random);
   const std::vector<double> regions = drawRegions(program, partition, arguments.samples, random);
-  Json result;
-  result["problem"] = program.name;
-  result["status"] = toString(partition.status);
-  result["parameters"] = program.parameterCount();
-  result["regions"] = map.regionCount();
-  result["laws"] = map.lawCount();
-  result["nodes"] = map.nodeCount();
+  Json result = sizesOf(program, partition, map);
   result["leaves"] = map.leafCount();
-  result["depth"] = map.cost().depth;
   result["region_checks"] = map.cost().region_checks;
-  result["multiply_adds"] = map.cost().multiply_adds;
   result["map_bytes"] = map.bytes();
   result["index_bytes"] = map.indexCost().bytes;
   result["index_multiply_adds"] = map.indexCost().multiply_adds;

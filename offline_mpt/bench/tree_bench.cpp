@@ -70,15 +70,7 @@ Json compareTrees(const TreeArguments& arguments) {
   const RegionMap& map = memory.map();
   ExportOptions code;
   code.name = "map";
-  Json result;
-  result["problem"] = program.name;
-  result["status"] = toString(partition.status);
-  result["parameters"] = program.parameterCount();
-  result["regions"] = map.regionCount();
-  result["laws"] = map.lawCount();
-  result["nodes"] = map.nodeCount();
-  result["depth"] = map.cost().depth;
-  result["multiply_adds"] = map.cost().multiply_adds;
+  Json result = sizesOf(program, partition, map);
   result["table_bytes"] = exportFlashBytes(map, code).tables;
   const LawTree tree = buildLawTree(map, arguments.time_limit);
   result["law_tree_late"] = tree.is_late;
