@@ -20,7 +20,7 @@ using Weights = std::vector<std::pair<std::size_t, Integer>>;
 
 constexpr std::size_t kMany = 100000000;  // more than any list of a certificate has
 /// Rows of a cell that covers divide. It bounds how deeply covers are nested, and so the stack.
-constexpr std::size_t kMostCellRows = 5000;
+constexpr std::size_t kMostCellRows = 2000;
 
 /// The greatest tolerances that a certificate may state: with any, anything could be confirmed.
 constexpr double kMostLawTolerance = 1e-6;    ///< of the greatest |u| of a law in the box

@@ -12,7 +12,7 @@
 namespace polyfly {
 
 /// A cell of a cover that is cut has fewer rows. The checker refuses others.
-constexpr std::size_t kMostCellRows = 5000;
+constexpr std::size_t kMostCellRows = 2000;
 
 /// A region that may lie behind a facet.
 struct CoverCandidate {
