@@ -9,7 +9,7 @@ namespace checker {
 namespace {
 
 constexpr int kHandicapShare = 128;  // FORMAT.md: a fallback region's handicap is the tolerance over this
-constexpr int kDeepest = 20000;      // nested cuts
+constexpr int kDeepest = 2000;       // nested cuts, which bounds the stack
 
 /// The two maps are of one problem, and belong together.
 void requirePair(const Map& reduced, const Map& original) {

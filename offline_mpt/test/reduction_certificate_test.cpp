@@ -132,6 +132,16 @@ TEST_P(ReductionCertificate, TolerancesHaveLimits) {
   EXPECT_NE(refusalWith(3, 0, "tolerance"), "");
 }
 
+// Without a limit such a line uses up the stack.
+TEST_P(ReductionCertificate, NestedCutsHaveALimit) {
+  const std::vector<std::string> lines = linesOf(certificate_);
+  std::size_t line = 4;
+  while (lines[line].rfind("R 0 ", 0) != 0) ++line;
+  std::string nested;
+  for (int k = 0; k < 30000; ++k) nested += "n 0 s ";
+  EXPECT_NE(refusalWith(line, 2, nested).find("cuts are nested too deeply"), std::string::npos);
+}
+
 TEST_P(ReductionCertificate, EveryCutAndEveryBitIsNoticed) {
   for (std::size_t size = 0; size < certificate_.size(); size += 1 + certificate_.size() / 200)
     EXPECT_NE(refusalOf(certificate_.substr(0, size)), "") << size;
