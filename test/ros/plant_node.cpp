@@ -3,6 +3,7 @@
 #include <geometry_msgs/Vector3Stamped.h>
 #include <nav_msgs/Odometry.h>
 #include <online_controller/ControllerStatus.h>
+#include <online_controller/FlightStatus.h>
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
@@ -113,6 +114,11 @@ void PlantNode::connect() {
           changed_.notify_all();
         },
         ros::VoidConstPtr(), hints);
+    flight_status_sub_ = nh_.subscribe<online_controller::FlightStatus>(
+        "flight_status", kUnbounded, [this](const online_controller::FlightStatus::ConstPtr& message) {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          controller_has_reference_ = !message->reference.empty();
+        });
   }
   trajectory_sub_ = nh_.subscribe<trajectory_msgs::MultiDOFJointTrajectory>(
       "command/trajectory", kUnbounded,
@@ -171,6 +177,10 @@ std::string PlantNode::missingForStart() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!trajectory_) {
     missing << "; no trajectory on " << trajectory_sub_.getTopic();
+  }
+  // Its connection is another one: it may get the trajectory long after this node.
+  if (settings_.status_lag > 0 && !controller_has_reference_) {
+    missing << "; " << flight_status_sub_.getTopic() << " tells of no reference";
   }
   if (settings_.recorder && !recorder_ready_) {
     missing << "; " << ready_sub_.getTopic() << " is silent";

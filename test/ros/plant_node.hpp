@@ -39,8 +39,8 @@ class PlantNode {
     double real_time_factor = 0.0;
     // Simulated time per wall time while odometry is silent.
     double silence_real_time_factor = 1.0;
-    // Wall time that one command may take [s].
-    double command_timeout = 5.0;
+    // Wall time that one command may take [s]: long, since a machine may stand still meanwhile.
+    double command_timeout = 30.0;
     // Wall time until all are connected [s].
     double start_timeout = 60.0;
     // Wall time from connected to start [s].
@@ -49,7 +49,7 @@ class PlantNode {
     double end_timeout = 10.0;
     // Number of odometry subscribers that the start needs.
     int odometry_subscribers = 1;
-    // Samples that the statuses may be behind. 0: the statuses are not subscribed.
+    // Samples that the statuses may be behind. 0: there is no Polyfly controller, whose statuses could be subscribed.
     int status_lag = 0;
     // Whether to wait for recorder/ready and recorder/closed.
     bool recorder = false;
@@ -85,6 +85,7 @@ class PlantNode {
   ros::Time command_stamp_;
   bool has_command_ = false;
   std::deque<ros::Time> untold_;  // stamps of odometry whose status has not come
+  bool controller_has_reference_ = false;
   bool recorder_ready_ = false;
   bool recorder_closed_ = false;
   bool stopping_ = false;
@@ -92,6 +93,7 @@ class PlantNode {
   // These end before what their callbacks write.
   ros::Subscriber command_sub_;
   ros::Subscriber status_sub_;
+  ros::Subscriber flight_status_sub_;
   ros::Subscriber trajectory_sub_;
   ros::Subscriber ready_sub_;
   ros::Subscriber closed_sub_;

@@ -52,6 +52,8 @@ class Flight:
     def __init__(self, launch):
         if not os.path.isfile(launch.bag):
             raise AssertionError("the flight left no bag; it said:\n" + launch.output)
+        self.name = os.path.basename(launch.bag)
+        self.output = launch.output
         self.messages = {}
         self.raw = {}
         with rosbag.Bag(launch.bag) as bag:

@@ -193,7 +193,14 @@ class FlightTest(unittest.TestCase):
             "/ground_truth/odometry",
             "/ground_truth/disturbance",
         ):
-            self.assertTrue(one.raw[topic] == other.raw[topic], "the flights differ in " + topic)
+            ours, theirs = one.raw[topic], other.raw[topic]
+            if ours == theirs:
+                continue
+            differing = [i for i, pair in enumerate(zip(ours, theirs)) if pair[0] != pair[1]]
+            self.fail(
+                "the flights differ in %s: %d and %d messages, of which %d differ, the first is %s; %s said:\n%s"
+                % (topic, len(ours), len(theirs), len(differing), differing[:1], other.name, other.output)
+            )
         # The status also tells wall times, which differ.
         self.assertEqual(len(one.statuses), len(other.statuses))
         for first, second in zip(one.statuses, other.statuses):
