@@ -80,6 +80,12 @@ enum class AxisEntry : std::size_t {
   kDisturbanceAhead,
 };
 
+/// Whether the entry is measured, and not a reference or what was sent.
+inline bool isError(AxisEntry entry) noexcept {
+  return entry == AxisEntry::kPositionError || entry == AxisEntry::kVelocityError ||
+         entry == AxisEntry::kAngleError || entry == AxisEntry::kAngleRateError;
+}
+
 /// A value for each AxisEntry, from which the parameters are assembled in the law's order.
 class AxisValues {
  public:
