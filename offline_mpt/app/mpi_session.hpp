@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "command.hpp"
@@ -25,6 +29,25 @@ class MpiSession {
   MpiGroup* group() const { return group_.get(); }
   int processes() const { return group_ ? group_->size() : 1; }
   bool leads() const { return !group_ || group_->rank() == 0; }
+
+  /// What `read` returns. Its member `summary` tells what this process has read; where `read` throws, the error does.
+  /// Throws Error in all processes where they differ in that.
+  template <typename Read>
+  auto readAlike(const Read& read) -> decltype(read()) {
+    std::optional<decltype(read())> input;
+    std::exception_ptr failure;
+    std::string told;
+    try {
+      input.emplace(read());
+      told = input->summary;
+    } catch (const std::exception& error) {
+      failure = std::current_exception();
+      told = error.what();
+    }
+    if (group_) requireSameInput(told, *group_);
+    if (failure) std::rethrow_exception(failure);
+    return std::move(*input);
+  }
 
   void leave() {
     if (!group_ || left_) return;

@@ -18,6 +18,8 @@
 #include "offline_mpt/process_group.hpp"
 #include "offline_mpt/soft_bounds.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/provenance.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "problem_types.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
@@ -335,9 +337,28 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
   for (const LoopExcess& excess : loopExcess(problem, partition)) note(loopExcessText(problem, excess));
 }
 
+/// What all processes of a job read.
+struct SolveInput {
+  const OwnSolver* own = nullptr;
+  ParametricProgram program;  ///< where no solver of its own solves the problem
+  std::string summary;
+};
+
+SolveInput readInput(const SolveArguments& options) {
+  SolveInput input;
+  input.own = ownSolverOf(options.problem);
+  if (input.own == nullptr) input.program = loadCompleteProgram(options.problem);
+  input.summary = "problem of " +
+                  (input.own == nullptr ? "a parametric program" : std::string("type ") + input.own->type) +
+                  ", " + checksumOf(input.own == nullptr ? input.program.text : readText(options.problem));
+  return input;
+}
+
 ExitCode lead(const SolveArguments& options, MpiSession& session) {
   checkFiles(options);
-  if (const OwnSolver* own = ownSolverOf(options.problem); own != nullptr) {
+  PhaseClock clock;
+  const SolveInput input = session.readAlike([&] { return readInput(options); });
+  if (const OwnSolver* own = input.own; own != nullptr) {
     session.leave();
     if (options.explore.region_limit != ExploreOptions().region_limit || options.explore.memory_limit > 0)
       throw Error(options.problem + ": type: " + own->type +
@@ -346,8 +367,7 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
                        options.tree_nodes, options.explore.threads, options.quiet, checkpointOf(options),
                        options.explore.resume, options.explore.checkpoint_period});
   }
-  PhaseClock clock;
-  const ParametricProgram program = loadCompleteProgram(options.problem);
+  const ParametricProgram& program = input.program;
   if (!options.quiet) printRemarks(options.problem, program);
   clock.end(&PhaseSeconds::load);
   const Partition partition = inFile(options.problem, program,
@@ -407,16 +427,10 @@ ExitCode assist(const SolveArguments& options, MpiSession& session) {
   MpiGroup& group = *session.group();
   PhaseClock clock;
   ignoreSignals();
-  ParametricProgram program;
-  try {
-    if (ownSolverOf(options.problem) != nullptr) return ExitCode::kDone;  // process 0 solves it alone
-    program = loadCompleteProgram(options.problem);
-  } catch (const Error& error) {
-    reportFailure(error.what(), group);
-    return ExitCode::kBadInput;
-  }
+  const SolveInput input = session.readAlike([&] { return readInput(options); });
+  if (input.own != nullptr) return ExitCode::kDone;  // process 0 solves it alone
   clock.end(&PhaseSeconds::load);
-  const bool goes_on = runWorkerProcess(program, options.explore, group);
+  const bool goes_on = runWorkerProcess(input.program, options.explore, group);
   clock.end(&PhaseSeconds::explore);
   if (goes_on) runTreeProcess(group, options.explore.threads);
   clock.end(&PhaseSeconds::encode);
@@ -426,7 +440,15 @@ ExitCode assist(const SolveArguments& options, MpiSession& session) {
 
 ExitCode solve(const SolveArguments& options) {
   MpiSession session;
-  return session.leads() ? lead(options, session) : assist(options, session);
+  if (!session.leads()) return assist(options, session);
+  try {
+    return lead(options, session);
+  } catch (const LostProcess& lost) {
+    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost\n", options.problem.c_str(),
+                 lost.rank());
+    session.abort();
+    return ExitCode::kStopped;
+  }
 }
 
 void addTreeOptions(CLI::App& command, TreeMode& mode, std::uint64_t& nodes) {

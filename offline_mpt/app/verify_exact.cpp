@@ -11,6 +11,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/process_group.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "problem_types.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
@@ -71,6 +72,23 @@ ParametricProgram programOf(const VerifyExactOptions& options, const RegionMap& 
                       options.map + ": problem text");
 }
 
+/// What all processes of a job read.
+struct ProofInput {
+  const OwnSolver* own = nullptr;
+  ParametricProgram program;  ///< where no solver of its own proves the map
+  std::string summary;
+};
+
+ProofInput readInput(const VerifyExactOptions& options) {
+  ProofInput input;
+  const RegionMap map = RegionMap::open(options.map);
+  input.own = ownSolverOf(map);
+  if (input.own == nullptr) input.program = programOf(options, map);
+  input.summary = "proof of the map " + hexDigits(map.checksum()) + " of " +
+                  (input.own == nullptr ? "a parametric program" : std::string("type ") + input.own->type);
+  return input;
+}
+
 /// Repairs and writes the new map where that succeeds. Says what was done.
 bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& program, bool& interrupted) {
   RepairResult result;
@@ -97,22 +115,20 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
   checkOutputs({{options.certificate}, {options.json}, {options.output, Output::Kind::kFile}}, inputs);
-  ParametricProgram program;
-  {
-    const RegionMap map = RegionMap::open(options.map);
-    if (const OwnSolver* own = ownSolverOf(map); own != nullptr) {
-      VerifyTask task;
-      task.problem = options.problem;
-      task.json = options.json;
-      task.certificate = options.certificate;
-      task.output = options.output;
-      task.exact = true;
-      task.threads = options.threads;
-      task.quiet = options.quiet;
-      return own->verify(map, task);
-    }
-    program = programOf(options, map);
+  const ProofInput input = session.readAlike([&] { return readInput(options); });
+  if (input.own != nullptr) {
+    session.leave();
+    VerifyTask task;
+    task.problem = options.problem;
+    task.json = options.json;
+    task.certificate = options.certificate;
+    task.output = options.output;
+    task.exact = true;
+    task.threads = options.threads;
+    task.quiet = options.quiet;
+    return input.own->verify(RegionMap::open(options.map), task);
   }
+  const ParametricProgram& program = input.program;
   std::string examined = options.map;
   CertifyReport report = certifyFile(options, examined, program, session.group());
   session.leave();
@@ -140,27 +156,22 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
 }
 
 /// A process of an MPI launcher that is not the first: it takes part in the proof and says nothing.
-ExitCode assist(VerifyExactOptions options, ProcessGroup& group) {
+ExitCode assist(VerifyExactOptions options, MpiSession& session) {
   options.quiet = true;
-  try {
-    const RegionMap map = RegionMap::open(options.map);
-    if (ownSolverOf(map) != nullptr) return ExitCode::kDone;  // process 0 proves it alone
-    Watch watch(options);
-    CertifyOptions choices = watched(options, watch);
-    choices.group = &group;
-    runCertifyProcess(map, programOf(options, map), choices);
-    return ExitCode::kDone;
-  } catch (const Error& error) {
-    reportFailure(error.what(), group);
-    return ExitCode::kBadInput;
-  }
+  const ProofInput input = session.readAlike([&] { return readInput(options); });
+  if (input.own != nullptr) return ExitCode::kDone;  // process 0 proves it alone
+  Watch watch(options);
+  CertifyOptions choices = watched(options, watch);
+  choices.group = session.group();
+  runCertifyProcess(RegionMap::open(options.map), input.program, choices);
+  return ExitCode::kDone;
 }
 
 }  // namespace
 
 ExitCode verifyExact(const VerifyExactOptions& options) {
   MpiSession session;
-  if (!session.leads()) return assist(options, *session.group());
+  if (!session.leads()) return assist(options, session);
   try {
     return prove(options, session);
   } catch (const LostProcess& lost) {

@@ -262,13 +262,16 @@ TEST(Certify, AProcessWithAnotherMapOrToleranceIsNamed) {
   const ParametricProgram program = doubleIntegrator(4);
   const MapContent content = solved(program);
   EXPECT_EQ(refusalOf(content, program, content, program, {}), "");
-  const std::string expected = "process 1: has another map or other tolerances";
+  const auto differs = [](const std::string& text) {
+    return text.find("not read the same: process 0: map ") != std::string::npos &&
+           text.find("; process 1: map ") != std::string::npos;
+  };
   MapContent stale = content;
   stale.laws.front() += 1e-9;
-  EXPECT_EQ(refusalOf(content, program, stale, program, {}), expected);
+  EXPECT_TRUE(differs(refusalOf(content, program, stale, program, {})));
   CertifyOptions options;
   options.law_tolerance *= 2.0;
-  EXPECT_EQ(refusalOf(content, program, content, program, options), expected);
+  EXPECT_TRUE(differs(refusalOf(content, program, content, program, options)));
 }
 
 /// Many half-spaces of a line hold in all of the box, and so does that of the candidate.

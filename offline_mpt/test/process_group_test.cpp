@@ -202,5 +202,39 @@ TEST_F(ProcessGroupTest, AProcessThatCannotAssistSaysWhy) {
   EXPECT_EQ(refusal(unable), "process 1: x.json: cannot be read");
 }
 
+/// What process 0 throws where each of three tells of another input, and how many of the others throw too.
+std::pair<std::string, int> inputsRefused(const std::vector<std::string>& inputs) {
+  std::atomic<int> refused{0};
+  std::vector<Part> parts;
+  for (std::size_t k = 1; k < inputs.size(); ++k) {
+    parts.emplace_back([&inputs, &refused, k](Member& member) {
+      try {
+        requireSameInput(inputs[k], member);
+      } catch (const Error&) {
+        ++refused;
+      }
+    });
+  }
+  try {
+    leadWith(parts, [&](Member& leader) {
+      if (!inputs.front().empty()) requireSameInput(inputs.front(), leader);
+      return 0;
+    });
+  } catch (const Error& error) {
+    return {error.what(), refused};
+  }
+  return {"", refused};
+}
+
+TEST(ProcessGroupInput, EachTextIsNamedWithItsProcesses) {
+  EXPECT_EQ(inputsRefused({"a", "a", "a"}), std::pair(std::string(), 0));
+  EXPECT_EQ(
+      inputsRefused({"a", "b", "a", "b"}),
+      std::pair(
+          std::string("the processes of the job have not read the same: process 0, 2: a; process 1, 3: b"),
+          3));
+  EXPECT_EQ(inputsRefused({"", "b", "b"}), std::pair(std::string(), 2));  // process 0 ends first
+}
+
 }  // namespace
 }  // namespace polyfly

@@ -271,6 +271,41 @@ TEST_F(ResumeCommand, MpirunSaysOnceWhatIsWrong) {
   EXPECT_EQ(result.err.find("offline_mpt: ", first + 1), std::string::npos) << result.err;
 }
 
+// Process 0 runs one command, process 1 another, as where a file differs between two machines.
+TEST_F(ResumeCommand, ProcessesOfMpirunThatReadOtherFilesAllEnd) {
+  if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
+  const std::string robust = std::string(PROBLEMS) + "/reference/robust_lateral.yaml";
+  const auto solveFile = [this](const std::string& problem) {
+    return std::vector<std::string>{OFFLINE_MPT_PROGRAM, "solve", problem, "-o", path("x.map"), "--quiet"};
+  };
+  const auto prove = [this](const std::string& map) {
+    return std::vector<std::string>{OFFLINE_MPT_PROGRAM, "verify", path(map), "--exact", "--quiet"};
+  };
+  ASSERT_EQ(wait(start(solve("small.json", "small.map", {"--quiet"}))).exit_code, 0);
+  ASSERT_EQ(wait(start({OFFLINE_MPT_PROGRAM, "solve", robust, "-o", path("robust.map")})).exit_code, 0);
+  writeBytes(path("other.json"), chainProblem(3, 2));
+  ASSERT_EQ(wait(start(solve("other.json", "other.map", {"--quiet"}))).exit_code, 0);
+  const auto refuse = [this](std::vector<std::string> first, const std::vector<std::string>& second,
+                             const std::vector<std::string>& words) {
+    first.insert(first.end(), {":", "-n", "1"});
+    first.insert(first.end(), second.begin(), second.end());
+    const Outcome result = wait(start(underMpi(1, first, 4)));
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    for (const std::string& word : words) EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
+  };
+  const std::string ordinary = " of a parametric program", own = " of type robust_mpc";
+  refuse(prove("small.map"), prove("robust.map"), {"process 0: proof", ordinary, "process 1: proof", own});
+  refuse(prove("robust.map"), prove("small.map"), {"process 0: proof", own, "process 1: proof", ordinary});
+  refuse(prove("small.map"), prove("other.map"), {"process 0: proof", "process 1: proof"});
+  refuse(prove("small.map"), prove("none.map"), {"process 0: proof", "process 1: ", "none.map: "});
+  refuse(prove("none.map"), prove("small.map"), {"process 0: ", "none.map: ", "process 1: proof"});
+  refuse(solveFile(path("small.json")), solveFile(robust), {ordinary, "process 1: problem", own});
+  refuse(solveFile(robust), solveFile(path("small.json")), {own, "process 1: problem", ordinary});
+  refuse(solveFile(path("small.json")), solveFile(path("none.json")), {"process 1: ", "none.json: "});
+  refuse(solveFile(path("small.json")), prove("small.map"), {"process 0: problem", "process 1: proof"});
+  EXPECT_FALSE(fs::exists(path("x.map")));
+}
+
 // The process of this number in the job of `launcher`; 0 while there is none.
 pid_t memberOf(pid_t launcher, int rank) {
   const std::string wanted = "OMPI_COMM_WORLD_RANK=" + std::to_string(rank);

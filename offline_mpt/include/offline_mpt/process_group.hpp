@@ -52,6 +52,11 @@ class LostProcess : public std::runtime_error {
 /// process 0. A bad problem is reported to process 0, whose exploration then throws.
 bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
 
+/// For all processes, before they work together: waits for all, and throws Error in each unless all have read the same.
+/// `read` says what this process has read, or why it could not. The error names each text and who told it. Throws
+/// LostProcess in process 0. Throws Error in another process where process 0 has ended the group.
+void requireSameInput(const std::string& read, ProcessGroup& group);
+
 /// For a process that cannot take part: the exploration of process 0 throws Error with this text and this
 /// process's rank. Returns when process 0 ends the exploration or the group.
 void reportFailure(const std::string& reason, ProcessGroup& group);

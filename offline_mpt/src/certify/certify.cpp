@@ -15,6 +15,8 @@
 #include "certify/unbounded.hpp"
 #include "explore/parallel/group_exchange.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/options_text.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "region_maps/region_map.hpp"
 #include "verify/same_signals.hpp"
 
@@ -43,14 +45,9 @@ void requireSameProblem(const RegionMap& map, const ParametricProgram& program) 
 
 /// Results of one map say nothing of another: all processes of a group must prove the same.
 void requireSameTask(const RegionMap& map, const CertifyOptions& options) {
-  std::vector<std::byte> mine;
-  ResultWriter out(mine);
-  out(map.checksum(), options.law_tolerance, options.plane_tolerance);
-  const std::vector<std::vector<std::byte>> all = GroupExchange(options.group).round(std::move(mine));
-  for (std::size_t rank = 1; rank < all.size(); ++rank) {
-    if (all[rank] != all.front())
-      throw Error("process " + std::to_string(rank) + ": has another map or other tolerances");
-  }
+  GroupExchange(options.group)
+      .requireSame("map " + hexDigits(map.checksum()) + ", tolerances " + exactNumber(options.law_tolerance) +
+                   " and " + exactNumber(options.plane_tolerance));
 }
 
 /// Rows that no region of the map counts as active.

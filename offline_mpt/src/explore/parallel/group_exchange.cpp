@@ -17,6 +17,26 @@ std::vector<std::byte> messageOf(GroupMessage kind, const std::vector<std::byte>
   return message;
 }
 
+/// "process 0, 2: TEXT; process 1: OTHER TEXT".
+std::string differences(const std::vector<std::string>& texts) {
+  struct Opinion {
+    std::string text, ranks;
+  };
+  std::vector<Opinion> opinions;
+  for (std::size_t rank = 0; rank < texts.size(); ++rank) {
+    const auto same = std::find_if(opinions.begin(), opinions.end(),
+                                   [&](const Opinion& one) { return one.text == texts[rank]; });
+    if (same == opinions.end())
+      opinions.push_back({texts[rank], std::to_string(rank)});
+    else
+      same->ranks += ", " + std::to_string(rank);
+  }
+  std::string result;
+  for (const Opinion& one : opinions)
+    result += (result.empty() ? "process " : "; process ") + one.ranks + ": " + one.text;
+  return result;
+}
+
 /// The next message of process 0 of this kind, without its first byte. Others are left over from earlier work.
 std::vector<std::byte> await(GroupMessage kind, ProcessGroup& group) {
   int from = 0;
@@ -86,8 +106,26 @@ std::vector<std::vector<std::byte>> GroupExchange::collect(std::vector<std::byte
   return all;
 }
 
+void GroupExchange::requireSame(const std::string& read) {
+  std::vector<std::byte> mine;
+  ByteWriter(mine).putArray(read.data(), read.size());
+  std::vector<std::string> texts;
+  for (const std::vector<std::byte>& one : round(std::move(mine)))
+    texts.emplace_back(reinterpret_cast<const char*>(one.data()), one.size());
+  if (std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return text != read; }))
+    throw Error("the processes of the job have not read the same: " + differences(texts));
+}
+
 void GroupExchange::begin(const std::vector<std::byte>& task) {
   for (int to = 1; to < size(); ++to) group_->send(to, messageOf(GroupMessage::kTask, task));
+}
+
+void requireSameInput(const std::string& read, ProcessGroup& group) {
+  try {
+    GroupExchange(&group).requireSame(read);
+  } catch (const GroupExchange::Ended&) {
+    throw Error("process 0 has ended the job");
+  }
 }
 
 std::optional<std::vector<std::byte>> GroupExchange::task(ProcessGroup& group) {

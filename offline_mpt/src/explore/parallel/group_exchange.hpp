@@ -25,6 +25,9 @@ class GroupExchange {
   /// where another has reported a failure.
   std::vector<std::vector<std::byte>> round(std::vector<std::byte> mine);
 
+  /// A round in which all tell what they read. Throws Error in each unless all texts are the same.
+  void requireSame(const std::string& read);
+
   /// For process 0: hands a task to the others, which wait for it in `task`.
   void begin(const std::vector<std::byte>& task);
 
