@@ -46,7 +46,20 @@ class MpiSession {
     }
     if (group_) requireSameInput(told, *group_);
     if (failure) std::rethrow_exception(failure);
+    alike_ = true;
     return std::move(*input);
+  }
+
+  /// For another process than 0: does its part. Process 0 says what went wrong, and its exit code is that of the job. An
+  /// error code of this process would make the launcher end process 0 before it has spoken.
+  template <typename Work>
+  ExitCode assist(const Work& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      if (alike_) reportFailure(error.what(), *group_);  // otherwise process 0 knows
+    }
+    return ExitCode::kDone;
   }
 
   void leave() {
@@ -65,6 +78,7 @@ class MpiSession {
 
  private:
   std::unique_ptr<MpiGroup> group_;
+  bool alike_ = false;
   bool left_ = false;
 };
 

@@ -423,24 +423,23 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
 
 // A process of an MPI launcher that is not the first. It says nothing, and process 0 tells it when to end: a
 // signal to all of them must leave process 0 the time to save.
-ExitCode assist(const SolveArguments& options, MpiSession& session) {
+void assist(const SolveArguments& options, MpiSession& session) {
   MpiGroup& group = *session.group();
   PhaseClock clock;
   ignoreSignals();
   const SolveInput input = session.readAlike([&] { return readInput(options); });
-  if (input.own != nullptr) return ExitCode::kDone;  // process 0 solves it alone
+  if (input.own != nullptr) return;  // process 0 solves it alone
   clock.end(&PhaseSeconds::load);
   const bool goes_on = runWorkerProcess(input.program, options.explore, group);
   clock.end(&PhaseSeconds::explore);
   if (goes_on) runTreeProcess(group, options.explore.threads);
   clock.end(&PhaseSeconds::encode);
   clock.leave(session);
-  return ExitCode::kDone;
 }
 
 ExitCode solve(const SolveArguments& options) {
   MpiSession session;
-  if (!session.leads()) return assist(options, session);
+  if (!session.leads()) return session.assist([&] { assist(options, session); });
   try {
     return lead(options, session);
   } catch (const LostProcess& lost) {

@@ -156,22 +156,21 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
 }
 
 /// A process of an MPI launcher that is not the first: it takes part in the proof and says nothing.
-ExitCode assist(VerifyExactOptions options, MpiSession& session) {
+void assist(VerifyExactOptions options, MpiSession& session) {
   options.quiet = true;
   const ProofInput input = session.readAlike([&] { return readInput(options); });
-  if (input.own != nullptr) return ExitCode::kDone;  // process 0 proves it alone
+  if (input.own != nullptr) return;  // process 0 proves it alone
   Watch watch(options);
   CertifyOptions choices = watched(options, watch);
   choices.group = session.group();
   runCertifyProcess(RegionMap::open(options.map), input.program, choices);
-  return ExitCode::kDone;
 }
 
 }  // namespace
 
 ExitCode verifyExact(const VerifyExactOptions& options) {
   MpiSession session;
-  if (!session.leads()) return assist(options, session);
+  if (!session.leads()) return session.assist([&] { assist(options, session); });
   try {
     return prove(options, session);
   } catch (const LostProcess& lost) {

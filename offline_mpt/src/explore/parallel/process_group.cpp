@@ -220,7 +220,7 @@ bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& op
     if (!findSlaterPoint(explicit_equalities).feasible) throw Error("finds no solution");
     const NormalisedProgram scaled = normalise(explicit_equalities);
     return assist(scaled, fingerprint(program, options), options, group);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     reportFailure(error.what(), group);
     return false;
   }
