@@ -336,16 +336,47 @@ void checkMaximum(const IntegerRows& rows, const std::vector<Integer>& c, const 
   for (const Rational& value : maximum.x) EXPECT_LE(abs(value), 1);
 }
 
-std::vector<int> proposedBasis(const IntegerRows& rows, const std::vector<Integer>& c) {
-  const auto rounded = [](const std::vector<Integer>& row) {
-    std::vector<double> result;
-    for (const Integer& value : row) result.push_back(value.get_d());
-    return result;
-  };
-  FloatLp solver(static_cast<int>(c.size()));
+std::vector<double> rounded(const std::vector<Integer>& row) {
+  std::vector<double> result;
+  for (const Integer& value : row) result.push_back(value.get_d());
+  return result;
+}
+
+FloatLp floatLp(const IntegerRows& rows, std::size_t dimension) {
+  FloatLp solver(static_cast<int>(dimension));
   for (const std::vector<Integer>& row : rows) solver.add(rounded(row));
+  return solver;
+}
+
+std::vector<int> proposedBasis(const IntegerRows& rows, const std::vector<Integer>& c) {
+  FloatLp solver = floatLp(rows, c.size());
   solver.maximise(rounded(c));
   return solver.basis();
+}
+
+/// More dimensions than maps have that are explored: others may have as many.
+TEST(ExactLp, FloatLpFindsTheMaximumInManyDimensions) {
+  std::mt19937_64 random(3);
+  for (const std::size_t dimension : {12u, 17u, 20u}) {
+    SCOPED_TRACE(dimension);
+    const auto whole = [&](int most) {
+      return Integer(static_cast<int>(random() % static_cast<unsigned>(2 * most + 1)) - most);
+    };
+    std::vector<Integer> c(dimension);
+    for (Integer& value : c) value = whole(1000);
+    IntegerRows rows(2 * dimension, std::vector<Integer>(dimension + 1));
+    for (std::vector<Integer>& row : rows) {
+      for (Integer& value : row) value = whole(1000);
+      row.back() = 500 + abs(row.back());
+    }
+    rows.push_back(rows.front());  // one that nearly repeats another
+    rows.back().front() += 1;
+    const BoxMaximum maximum = maximiseInBox(rows, c, {});
+    checkMaximum(rows, c, maximum);
+    FloatLp solver = floatLp(rows, dimension);
+    ASSERT_EQ(solver.maximise(rounded(c)), FloatLp::Status::kOptimal);
+    EXPECT_NEAR(solver.objective(), maximum.objective.get_d(), 1e-9 * std::abs(maximum.objective.get_d()));
+  }
 }
 
 /// Ties as above. The basis of FloatLp mostly proves the maximum; others leave it to the exact simplex.

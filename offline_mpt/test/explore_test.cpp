@@ -180,6 +180,27 @@ TEST(Explore, RefusesParametersThatAreTiedToEachOther) {
   EXPECT_THROW(explore(program), Error);
 }
 
+/// Two of its rows nearly repeat each other.
+ParametricProgram manyParameters(int p) {
+  ParametricProgram program = randomProgram(2, 4, p, 1);
+  program.A.row(3) = program.A.row(2) * (1.0 + 1e-7);
+  program.S.row(3) = program.S.row(2) * (1.0 - 1e-7);
+  return program;
+}
+
+TEST(Explore, NamesTheLimitOfParameters) {
+  EXPECT_EQ(explore(manyParameters(12)).status, ExploreStatus::kComplete);
+  for (const int p : {13, 17, 20}) {
+    const ParametricProgram program = manyParameters(p);
+    try {
+      explore(program);
+      FAIL() << p;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.what(), program.name + ": parameters: must be at most 12, got " + std::to_string(p));
+    }
+  }
+}
+
 TEST(Explore, RefusesAnUnboundedParameter) {
   ParametricProgram program = randomProgram(3, 10, 2, 4);
   program.parameters[1].upper = std::numeric_limits<double>::infinity();

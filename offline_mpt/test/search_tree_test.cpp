@@ -13,6 +13,7 @@
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "program/normalised_program.hpp"
 #include "random_program.hpp"
 #include "tree/growth_limit.hpp"
 #include "tree/member_solver.hpp"
@@ -377,6 +378,22 @@ TEST(SearchTree, PartsOfRegionsKeepAPointInside) {
     EXPECT_LT(above.rows.size(), 8u);  // the sides about its tip
     EXPECT_EQ(above.walls.size(), 2u);
   }
+}
+
+// A depth is one dimension more than the parameters.
+TEST(SearchTree, DepthsOfCellsAreFoundForAsManyParametersAsAreExplored) {
+  const auto p = static_cast<std::size_t>(kMostParameters);
+  TreeRegions regions;
+  regions.p = kMostParameters;
+  regions.planes.assign(p + 1, 0.0);
+  regions.planes.front() = 1.0;
+  regions.planes.back() = -0.5;
+  regions.rows.resize(1);
+  regions.centres.assign(p, 0.0);
+  MemberSolver solver(regions, 1e-9);
+  const Cell box{{solver.whole(0)}, {}};
+  EXPECT_NEAR(solver.depthOf(box, 0, kBelow), 0.25, 1e-12);
+  EXPECT_NEAR(solver.depthOf(box, 0, kAbove), 0.75, 1e-12);
 }
 
 }  // namespace

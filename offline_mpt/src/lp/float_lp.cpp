@@ -9,7 +9,8 @@
 namespace polyfly {
 namespace {
 
-constexpr int kMaxDimension = 16;  // beyond it, what is exact must do without a guess
+// Beyond it, what is exact must do without a guess. Programs that are explored need far fewer (kMostParameters).
+constexpr int kMaxDimension = 32;
 
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxDimension, kMaxDimension>;

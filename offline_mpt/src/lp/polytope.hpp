@@ -22,7 +22,7 @@ struct MinimalRows {
 /// rational arithmetic, so that false always means a polytope that is not bounded.
 class PolytopeSolver {
  public:
-  static constexpr int kMaxDimension = 12;
+  static constexpr int kMaxDimension = 13;
 
   /// Throws Error when `dimension` is not in 1..kMaxDimension.
   explicit PolytopeSolver(int dimension);

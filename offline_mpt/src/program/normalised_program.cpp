@@ -170,6 +170,9 @@ Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
 }  // namespace
 
 NormalisedProgram normalise(const ParametricProgram& program) {
+  if (program.parameterCount() > kMostParameters)
+    throw Error(program.name + ": parameters: must be at most " + std::to_string(kMostParameters) + ", got " +
+                std::to_string(program.parameterCount()));
   NormalisedProgram ld;
   ld.source = program;
   ld.rounding = tolerance::kDoubleRounding;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "lp/polytope.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "program/tolerances.hpp"
 
@@ -77,7 +78,10 @@ struct NormalisedProgram {
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };
 
-/// Throws Error when H has a negative eigenvalue there, or the equalities fix parameters.
+/// Parameters of a program that is explored, at most. Depths of cells take one dimension more.
+constexpr int kMostParameters = PolytopeSolver::kMaxDimension - 1;
+
+/// Throws Error when there are more than kMostParameters, H has a negative eigenvalue there, or the equalities fix parameters.
 NormalisedProgram normalise(const ParametricProgram& program);
 
 }  // namespace polyfly

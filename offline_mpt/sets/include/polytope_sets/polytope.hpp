@@ -7,7 +7,7 @@
 
 namespace polyfly {
 
-/// {x : A x <= b} in floating point, rows of length 1, bounded, in 1 to 12 dimensions. Quick, and right up to
+/// {x : A x <= b} in floating point, rows of length 1, bounded, in 1 to 13 dimensions. Quick, and right up to
 /// tolerances that are named below; ExactPolytope answers without any.
 struct Polytope {
   Eigen::MatrixXd A;  ///< rows x dimension
