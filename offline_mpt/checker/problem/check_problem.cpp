@@ -44,8 +44,11 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
   std::printf("confirmed: the model is that of the problem, within %.3g; %zu rows follow from it exactly\n",
               match.difference.get_d(), match.rows);
   if (match.invariance_rows > 0)
-    std::printf("%zu rows more bound the first step; that they are the invariant set is not confirmed\n",
-                match.invariance_rows);
+    std::printf(
+        "%zu rows more keep the first step in a set within all bounds that is robustly invariant; that no "
+        "greater "
+        "one is so is not confirmed\n",
+        match.invariance_rows);
 }
 
 void confirm(const checker::Arguments& arguments) {

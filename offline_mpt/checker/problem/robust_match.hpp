@@ -11,7 +11,7 @@ struct RobustMatch {
   Fraction difference;
   /// Rows that follow from the model.
   std::size_t rows = 0;
-  /// Rows of the invariant set, which bound the first step.
+  /// Rows that bound the first step, to a set that is robustly invariant.
   std::size_t invariance_rows = 0;
 };
 

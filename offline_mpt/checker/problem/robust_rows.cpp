@@ -4,20 +4,13 @@
 #include <map>
 
 #include "core/text.hpp"
+#include "problem/invariance.hpp"
 
 namespace checker {
 namespace {
 
 using PlanRow = RobustCertificate::PlanRow;
 using Sparse = RobustCertificate::Sparse;
-
-/// v M
-Vector timesMatrix(const Vector& v, const Matrix& M) {
-  Vector result(M.columns);
-  for (std::size_t i = 0; i < M.rows; ++i)
-    for (std::size_t j = 0; j < M.columns; ++j) result[j] += v[i] * M.at(i, j);
-  return result;
-}
 
 Matrix multiplied(const Matrix& a, const Matrix& b) {
   Matrix result{a.rows, b.columns, {}};
@@ -228,40 +221,6 @@ class ExpectedRows {
   std::vector<PlanRow> rows_;
 };
 
-/// Solves a A = c for a; throws Refused where A is singular.
-Vector solvedFromLeft(const Matrix& A, const Vector& c) {
-  const std::size_t n = A.rows;
-  std::vector<Vector> system(n);  // A' a = c
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) system[i].push_back(A.at(j, i));
-    system[i].push_back(c[i]);
-  }
-  for (std::size_t column = 0; column < n; ++column) {
-    std::size_t pivot = column;
-    while (pivot < n && system[pivot][column] == 0) ++pivot;
-    require(pivot < n, "the model cannot be inverted, so rows of the first step are not recognised");
-    std::swap(system[column], system[pivot]);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == column || system[i][column] == 0) continue;
-      const Fraction factor = system[i][column] / system[column][column];
-      for (std::size_t j = column; j <= n; ++j) system[i][j] -= factor * system[column][j];
-    }
-  }
-  Vector a;
-  for (std::size_t i = 0; i < n; ++i) a.emplace_back(system[i][n] / system[i][i]);
-  return a;
-}
-
-/// Whether a row is a half-space of e_1 and of the references.
-bool boundsFirstStep(const PlanRow& row, const RobustCertificate& certificate, const RobustProblem& problem) {
-  const std::size_t p = problem.ranges.rows;
-  if (!tidy(row.z).empty() || !row.terms.empty() || row.y[p + 1] != 0) return false;
-  Vector on_errors;
-  for (const std::size_t error : problem.errors) on_errors.push_back(row.y[error]);
-  const Vector a = solvedFromLeft(certificate.models().at("A"), on_errors);
-  return timesMatrix(a, certificate.models().at("B"))[0] == row.y[p];
-}
-
 }  // namespace
 
 RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& problem) {
@@ -279,12 +238,12 @@ RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& pr
     if (at->second.empty()) open.erase(at);
     ++match.expected;
   }
-  for (const auto& [key, rows] : open) {
-    require(problem.bounds_first_step && boundsFirstStep(*rows.front(), certificate, problem),
-            "a row of the certificate is none of the problem");
-    match.first_step += rows.size();
-  }
-  require(!problem.bounds_first_step || match.first_step > 0, "rows of the invariant set are missing");
+  std::vector<const PlanRow*> others;
+  for (const auto& [key, rows] : open) others.insert(others.end(), rows.begin(), rows.end());
+  require(problem.bounds_first_step || others.empty(), "a row of the certificate is none of the problem");
+  require(!problem.bounds_first_step || !others.empty(), "rows of the invariant set are missing");
+  if (!others.empty()) confirmInvariant(others, certificate, problem);
+  match.first_step = others.size();
   return match;
 }
 

@@ -92,12 +92,17 @@ TEST(RobustRows, AreThoseOfDrawnProblems) {
   EXPECT_EQ(tried, 4);
 }
 
-TEST(RobustRows, OfAnInvariantSetBoundTheFirstStep) {
+MadeRobust withoutInvariance() {
   MadeRobust made;
   made.states = 2;
   made.horizon = 3;
   made.bounded_position = true;
   made.input = "[-3, 3]";
+  return made;
+}
+
+TEST(RobustRows, OfAnInvariantSetBoundTheFirstStep) {
+  MadeRobust made = withoutInvariance();
   const ProvenRobust without(made);
   made.invariance = "first_step";
   const ProvenRobust proven(made);
@@ -168,6 +173,45 @@ class RobustRowMutation : public Mutation {
                      withReferences().text());
   }
 };
+
+/// A row of a certificate without plan and terms, whose bound is greater by a 64th.
+std::string loosened(const std::string& line) {
+  const std::size_t end = line.find(' ', 4);
+  const mpq_class bound = mpq_class(line.substr(4, end - 4), 16) + mpq_class(1, 64);
+  return "row " + bound.get_str(16) + line.substr(end);
+}
+
+/// Each row alone that is loosened is refused. A row of references alone may be: they stay.
+void expectLoosenedSetsRefused(const MadeRobust& made) {
+  const ProvenRobust proven(made);
+  ASSERT_NE(proven.proof.certificate, "");
+  const checker::RobustMatch match = matchOf(proven.proof.certificate, proven.content, made.text());
+  std::vector<std::string> lines = linesOf(proven.proof.certificate);
+  std::size_t of_the_set = 0;
+  for (std::string& line : lines) {
+    if (line.compare(0, 4, "row ") != 0 || line.compare(line.size() - 4, 4, " 0 0") != 0) continue;
+    const std::string kept = line;
+    line = loosened(kept);
+    const std::string refusal =
+        refusalOf(sealed(joined(lines, "\n") + "\n", bytesOf(proven.content)), proven.content, made.text());
+    const bool says_nothing_of_input = kept.compare(kept.size() - 8, 8, " 0 0 0 0") == 0;
+    EXPECT_TRUE(refusal != "" || says_nothing_of_input) << kept;
+    if (refusal.find("that the first step must reach") != std::string::npos) ++of_the_set;
+    line = kept;
+  }
+  EXPECT_GT(match.invariance_rows, 4u);
+  EXPECT_GE(of_the_set + 2, match.invariance_rows);
+}
+
+TEST(RobustRows, OfASetThatIsNotInvariantAreRefused) {
+  MadeRobust made = withoutInvariance();
+  made.invariance = "first_step";
+  expectLoosenedSetsRefused(made);
+  MadeRobust followed = withReferences();
+  followed.invariance = "first_step";
+  followed.torque = false;
+  expectLoosenedSetsRefused(followed);
+}
 
 TEST_F(RobustRowMutation, ALoosenedOrRepeatedRowIsRefused) {
   const std::vector<std::string> lines = linesOf(certificate_);
