@@ -71,6 +71,23 @@ TEST_F(SliverMutation, ATighterToleranceIsRefused) {
   EXPECT_NE(refusalOfLines("tolerances ", setting(2, "0x1p-60"), tried), "");
 }
 
+/// The law tolerance that a certificate states.
+double statedLaw(const std::string& certificate) {
+  const std::string key = "\ntolerances ";
+  return std::stod(certificate.substr(certificate.find(key) + key.size()));
+}
+
+// 1e-10 where the laws keep to it, else 1e-8; the checker confirms either.
+TEST_F(SliverMutation, TheLawToleranceIsAsTightAsTheLaws) {
+  EXPECT_EQ(statedLaw(certificate_), 1e-10);
+  MapContent coarse = content_;
+  coarse.laws.front() += 1e-9;
+  EXPECT_NE(refusalOfMap(coarse), "");
+  const std::string certificate = certify(MapInMemory(coarse).map(), program_, {}).certificate;
+  EXPECT_EQ(statedLaw(certificate), 1e-8);
+  EXPECT_EQ(refusal(certificate, bytesOf(coarse)), "");
+}
+
 // With tolerances of a forger's choice, any law would be confirmed.
 TEST_F(SliverMutation, TolerancesHaveLimits) {
   int tried = 0;

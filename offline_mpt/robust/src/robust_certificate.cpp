@@ -114,9 +114,9 @@ class Head {
  public:
   Head(const RegionMap& map, const RobustStatement& statement) : map_(map), statement_(statement) {}
 
-  std::string text(const CertifyOptions& options) {
+  std::string text(const StatedTolerances& tolerances) {
     text_ = "polyfly robust certificate 1\n" + mapLine("map", map_) + problemLine(map_.problemText());
-    text_ += "tolerances " + hex(options.law_tolerance) + " " + hex(options.plane_tolerance) + "\n";
+    text_ += "tolerances " + hex(tolerances.law) + " " + hex(tolerances.plane) + "\n";
     text_ += "equalities 0\nbasis 0\nconvexity linear " + hex(0.0) + "\ncoverage exact\n";
     addModel();
     addRows();
@@ -242,7 +242,9 @@ CertifyReport certifyRobust(const RegionMap& map, const RobustStatement& stateme
                             const CertifyOptions& options) {
   const FacetProgram facets(statement);
   const ExactProgram exact(facets.source, facets.numbers, {});
-  return certifyExactly({map, facets.source, exact, options}, Head(map, statement).text(options));
+  return certifyExactly({map, facets.source, exact, options}, [&](const StatedTolerances& tolerances) {
+    return Head(map, statement).text(tolerances);
+  });
 }
 
 }  // namespace polyfly

@@ -34,11 +34,11 @@ void writeProof(const std::string& certificate, const char* what, const std::str
 
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const ProgramPerturbation& adjustment, bool widened,
-                            const CertifyOptions& options) {
+                            const StatedTolerances& tolerances) {
   std::string text = "polyfly certificate 5\n";
   text += mapLine("map", map);
   text += problemLine(map.problemText());
-  text += "tolerances " + hex(options.law_tolerance) + " " + hex(options.plane_tolerance) + "\n";
+  text += "tolerances " + hex(tolerances.law) + " " + hex(tolerances.plane) + "\n";
   text += programLines(program);
   appendList("basis", adjustment.basis, text);
   for (const ZeroCombination& proof : adjustment.implied) {

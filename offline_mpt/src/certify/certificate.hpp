@@ -7,10 +7,15 @@
 
 namespace polyfly {
 
+/// What a certificate says that laws and planes keep to.
+struct StatedTolerances {
+  double law = 0.0, plane = 0.0;
+};
+
 /// The certificate up to the first region: what it is about.
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const ProgramPerturbation& adjustment, bool widened,
-                            const CertifyOptions& options);
+                            const StatedTolerances& tolerances);
 
 /// The line that names a map by its checksum and size.
 std::string mapLine(const char* name, const RegionMap& map);

@@ -12,6 +12,7 @@
 #include "certify/result_bytes.hpp"
 #include "certify/shared_loop.hpp"
 #include "certify/slivers.hpp"
+#include "certify/tolerances.hpp"
 #include "certify/unbounded.hpp"
 #include "explore/parallel/group_exchange.hpp"
 #include "polyfly_base/error.hpp"
@@ -236,6 +237,14 @@ bool relaxRows(const std::vector<RegionCheck>& checks, const std::vector<char>& 
   return more;
 }
 
+StatedTolerances statedTolerances(const std::vector<RegionCheck>& checks, const CertifyOptions& options) {
+  const bool is_tight = std::all_of(checks.begin(), checks.end(), [](const RegionCheck& check) {
+    return check.law_error <= tolerance::kTightLaw;
+  });
+  const double law = options.law_tolerance;
+  return {is_tight ? std::min(tolerance::kTightLaw, law) : law, options.plane_tolerance};
+}
+
 /// What is proven of a program, and how its certificate begins.
 struct Statement {
   bool widened = false;
@@ -277,7 +286,8 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
   CertifyReport report;
   report.interrupted = interrupted;
   describePerturbation(context.source, context.program, adjustment, report);
-  const std::string head = certificateHead(context.map, context.source, adjustment, widened, context.options);
+  const std::string head = certificateHead(context.map, context.source, adjustment, widened,
+                                           statedTolerances(checks, context.options));
   finish(context, {widened, head}, checks, report);
   return report;
 }
@@ -290,12 +300,13 @@ bool onlyLookups(const std::vector<Defect>& defects) {
 
 }  // namespace
 
-CertifyReport certifyExactly(const CheckContext& context, const std::string& head) {
+CertifyReport certifyExactly(const CheckContext& context,
+                             const std::function<std::string(const StatedTolerances&)>& head) {
   CertifyReport report;
   report.linear = context.program.linear;
   std::vector<RegionCheck> checks;
   report.interrupted = !checkAllRegions(context, checks);
-  finish(context, {false, head}, checks, report);
+  finish(context, {false, head(statedTolerances(checks, context.options))}, checks, report);
   return report;
 }
 

@@ -47,6 +47,9 @@ constexpr double kInteriorRadius = 1e-10;
 /// Greatest difference of two rows that may be the same plane.
 constexpr double kNearPlanes = 1e-9;
 
+/// A certificate states this law tolerance where all laws keep to it.
+constexpr double kTightLaw = 1e-10;
+
 /// Slack that the proof of a reduction may use.
 constexpr double kReductionShare = 0.5;
 
