@@ -205,6 +205,12 @@ std::string Certificate::conditions() const {
   std::string text = line;
   std::snprintf(line, sizeof line, "look-ups: half-spaces are violated by at most %g (scaled)\n",
                 8 * map_.tolerance);
+  text += line;
+  if (convexity_ != "definite" || coverage_ != "exact") return text;
+  const Fraction beyond = 18 * Fraction(map_.tolerance) * greatest_change_ + 2 * law_tolerance_ * greatest_u_;
+  std::snprintf(line, sizeof line,
+                "beyond a facet, u differs by at most %.3g from that of the region behind it\n",
+                beyond.get_d());
   return text + line;
 }
 

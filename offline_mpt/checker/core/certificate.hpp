@@ -158,8 +158,9 @@ class Certificate {
   std::string convexity_, coverage_;
   /// Keys of the head lines that were read.
   std::set<std::string> head_;
-  /// Greatest difference of a law in the box, found by check().
-  mutable Fraction law_error_;
+  /// Greatest difference of a law in the box, |u| of a law there and at least 1, and change of u from the centre of the
+  /// box; found by check().
+  mutable Fraction law_error_, greatest_u_ = 1, greatest_change_;
   /// Some checked regions, to be used again.
   mutable std::map<std::size_t, Region> checked_;
 };

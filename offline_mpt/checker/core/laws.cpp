@@ -16,6 +16,8 @@ void Certificate::checkLaw(std::size_t index, const Region& region) const {
       sum += abs(mapped[j]);
     }
     law_error_ = std::max(law_error_, difference);
+    greatest_u_ = std::max(greatest_u_, sum);
+    greatest_change_ = std::max(greatest_change_, Fraction(sum - abs(mapped[p_])));
     require(difference <= law_tolerance_ * std::max(Fraction(1), sum), "the map's law is not the exact one");
   }
 }

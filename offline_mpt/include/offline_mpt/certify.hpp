@@ -93,6 +93,9 @@ struct CertifyReport {
   double plane_tolerance = 0.0;
   /// Greatest error of a law, relative as law_tolerance.
   double law_error = 0.0;
+  /// Strictly convex programs: how much u may differ, where a look-up answers beyond a facet of a region, from that of
+  /// the region behind it. 0 where nothing is stated.
+  double beyond_facet = 0.0;
   /// Greatest error of a plane.
   double plane_error = 0.0;  ///< [scaled]
   /// H is singular and not zero. Of several optima, the shortest counts.

@@ -1,6 +1,7 @@
 #include "offline_mpt/certify.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <set>
@@ -245,6 +246,24 @@ StatedTolerances statedTolerances(const std::vector<RegionCheck>& checks, const 
   return {is_tight ? std::min(tolerance::kTightLaw, law) : law, options.plane_tolerance};
 }
 
+/// CertifyReport::beyond_facet: a look-up answers within 9 tolerances of the plane on which two laws agree.
+double greatestDifferenceBeyondFacets(const CheckContext& context, double law_tolerance) {
+  const RegionMap& map = context.map;
+  const auto p = static_cast<std::size_t>(context.program.p), q = static_cast<std::size_t>(context.program.q);
+  double greatest_u = 1.0, greatest_change = 0.0;
+  for (std::size_t k = 0; k < map.lawCount() * q; ++k) {
+    const double* const row = map.law(k / q) + k % q * (p + 1);
+    double change = 0.0, constant = row[p];
+    for (std::size_t j = 0; j < p; ++j) {
+      change += std::abs(row[j]) * context.program.half[j].get_d();
+      constant += row[j] * context.program.centre[j].get_d();
+    }
+    greatest_change = std::max(greatest_change, change);
+    greatest_u = std::max(greatest_u, change + std::abs(constant));
+  }
+  return 18.0 * map.tolerance() * greatest_change + 2.0 * law_tolerance * greatest_u;
+}
+
 /// What is proven of a program, and how its certificate begins.
 struct Statement {
   bool widened = false;
@@ -271,6 +290,9 @@ void finish(const CheckContext& context, const Statement& statement, std::vector
     markUnboundedDefects(context, report.defects);
     return;
   }
+  if (!report.linear && !report.singular && !report.widened)
+    report.beyond_facet =
+        greatestDifferenceBeyondFacets(context, statedTolerances(checks, context.options).law);
   report.certificate = statement.head;
   for (std::size_t r = 0; r < checks.size(); ++r) {
     if (r < report.regions) report.certificate += "region " + std::to_string(r) + "\n";

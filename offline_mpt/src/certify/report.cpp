@@ -42,6 +42,9 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
        << " at the edge of the feasible set, " << report.domain_facets << " at that of the parameters\n"
        << "  greatest difference from the exact solution: law " << report.law_error << " (relative), plane "
        << report.plane_error << " (scaled)\n";
+  if (report.beyond_facet > 0.0)
+    text << "  beyond a facet, u of a look-up differs by at most " << report.beyond_facet
+         << " from that of the region behind it\n";
   if (report.slivers > 0 || report.left_out_rows > 0)
     text << "  slivers that are left to the regions about them " << report.slivers
          << ", half-spaces left out " << report.left_out_rows << ": within " << report.plane_tolerance
@@ -139,6 +142,7 @@ std::string certifyJson(const CertifyReport& report) {
   json["left_out_rows"] = report.left_out_rows;
   json["law_error"] = report.law_error;
   json["plane_error"] = report.plane_error;
+  json["beyond_facet"] = report.beyond_facet;
   json["forgiven_rows"] = report.forgiven_rows;
   json["widened"] = report.widened;
   json["linear"] = report.linear;
