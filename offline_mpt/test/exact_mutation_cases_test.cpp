@@ -12,6 +12,7 @@
 #include "polyfly_base/error.hpp"
 #include "problem/signals.hpp"
 #include "random_program.hpp"
+#include "robust/read_map_certificate.hpp"
 
 namespace polyfly {
 namespace {
@@ -86,6 +87,18 @@ TEST_F(SliverMutation, TheLawToleranceIsAsTightAsTheLaws) {
   const std::string certificate = certify(MapInMemory(coarse).map(), program_, {}).certificate;
   EXPECT_EQ(statedLaw(certificate), 1e-8);
   EXPECT_EQ(refusal(certificate, bytesOf(coarse)), "");
+}
+
+TEST_F(SliverMutation, TheCheckerBoundsUBeyondAFacetAsTheProverDoes) {
+  const double stated = certify(MapInMemory(content_).map(), program_, {}).beyond_facet;
+  ASSERT_GT(stated, 0.0);
+  const checker::Map map(map_);
+  const auto proof = checker::readMapCertificate(certificate_, map);
+  proof->check();
+  const std::string words = "beyond a facet, u differs by at most ", text = proof->conditions();
+  const std::size_t at = text.find(words);
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_NEAR(std::stod(text.substr(at + words.size())), stated, 5e-3 * stated);
 }
 
 // With tolerances of a forger's choice, any law would be confirmed.

@@ -196,22 +196,19 @@ void Certificate::checkLookups(const std::vector<ProvenRegion>& regions) const {
 }
 
 std::string Certificate::conditions() const {
-  char line[200];
+  char text[400];
   std::snprintf(
-      line, sizeof line,
+      text, sizeof text,
       "differences from the exact solution in the whole box: u at most %.3g (%g of its law's greatest), "
-      "planes at most %g (scaled)\n",
-      law_error_.get_d(), law_tolerance_.get_d(), plane_tolerance_.get_d());
-  std::string text = line;
-  std::snprintf(line, sizeof line, "look-ups: half-spaces are violated by at most %g (scaled)\n",
-                8 * map_.tolerance);
-  text += line;
+      "planes at most %g (scaled)\nlook-ups: half-spaces are violated by at most %g (scaled)\n",
+      law_error_.get_d(), law_tolerance_.get_d(), plane_tolerance_.get_d(), 8 * map_.tolerance);
   if (convexity_ != "definite" || coverage_ != "exact") return text;
   const Fraction beyond = 18 * Fraction(map_.tolerance) * greatest_change_ + 2 * law_tolerance_ * greatest_u_;
+  char line[100];
   std::snprintf(line, sizeof line,
                 "beyond a facet, u differs by at most %.3g from that of the region behind it\n",
                 beyond.get_d());
-  return text + line;
+  return std::string(text) + line;
 }
 
 }  // namespace checker
