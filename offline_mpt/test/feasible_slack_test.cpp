@@ -49,7 +49,7 @@ TEST(FeasibleSlack, IsThatOfGlpk) {
 }
 
 TEST(FeasibleSlack, SaysWhenItCannotTell) {
-  const NormalisedProgram scaled = normalise(randomProgram(13, 20, 2, 1));
+  const NormalisedProgram scaled = normalise(randomProgram(PolytopeSolver::kMaxDimension + 1, 20, 2, 1));
   EXPECT_FALSE(feasibleSlack(scaled, Eigen::VectorXd::Zero(2)).has_value());
 }
 
