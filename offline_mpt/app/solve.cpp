@@ -1,12 +1,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
@@ -26,7 +24,7 @@
 #include "region_maps/write_map.hpp"
 #include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
-#include "stopwatch.hpp"
+#include "solve_report.hpp"
 #include "support/vector_text.hpp"
 
 namespace polyfly {
@@ -58,63 +56,8 @@ Examples:
   offline_mpt solve big.json -o big.map --resume
   mpirun -n 4 offline_mpt solve big.json -o big.map --threads 2)";
 
-struct SolveArguments {
-  std::string problem;
-  std::string map;
-  std::string stats;
-  ExploreOptions explore;
-  double time_limit = 0.0;  // [s], of all phases
-  TreeMode tree_mode = TreeMode::kAuto;
-  std::uint64_t tree_nodes = 0;
-  bool quiet = false;
-  bool force = false;
-};
-
 // How long the search tree of a stopped exploration may take [s].
 constexpr double kTreeOfAPart = 1.0;
-
-struct PhaseSeconds {
-  double load = 0.0;
-  double explore = 0.0;
-  double encode = 0.0;
-  double write = 0.0;
-};
-
-constexpr std::array<double PhaseSeconds::*, 4> kPhases = {&PhaseSeconds::load, &PhaseSeconds::explore,
-                                                           &PhaseSeconds::encode, &PhaseSeconds::write};
-
-/// How long the phases took, and what they took of the processors.
-class PhaseClock {
- public:
-  PhaseSeconds seconds;
-  /// Of this process until `leave`, then of all.
-  PhaseSeconds cpu;
-
-  void end(double PhaseSeconds::*phase) {
-    seconds.*phase += watch_.lap();
-    cpu.*phase += cpu_watch_.lap();
-  }
-
-  /// Leaves the group, and adds what the other processes took of their processors.
-  void leave(MpiSession& session) {
-    for (std::size_t i = 0; i < session.cpu.size(); ++i) session.cpu[i] = cpu.*kPhases[i];
-    session.leave();
-    for (std::size_t i = 0; i < session.cpu.size(); ++i) cpu.*kPhases[i] = session.cpu[i];
-  }
-
- private:
-  Stopwatch watch_;
-  CpuStopwatch cpu_watch_;
-};
-
-nlohmann::ordered_json phasesJson(const PhaseSeconds& seconds) {
-  return {{"load", seconds.load},
-          {"explore", seconds.explore},
-          {"encode", seconds.encode},
-          {"write", seconds.write}};
-}
-
-std::string checkpointOf(const SolveArguments& options) { return options.map + ".checkpoint"; }
 
 bool exists(const std::string& path) {
   struct stat status = {};
@@ -144,44 +87,6 @@ Partition exploreWithProgress(const ParametricProgram& program, const SolveArgum
   return partition;
 }
 
-std::vector<double> numbers(const Eigen::VectorXd& theta) {
-  return {theta.data(), theta.data() + theta.size()};
-}
-
-std::string statsJson(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
-                      const PhaseClock& clock, int threads, int processes) {
-  nlohmann::ordered_json json;
-  json["name"] = program.name;
-  json["status"] = toString(partition.status);
-  json["variables"] = program.variableCount();
-  json["rows"] = program.rowCount();
-  json["parameters"] = program.parameterCount();
-  json["inputs"] = program.inputCount();
-  json["regions"] = partition.regions.size();
-  json["candidate_sets"] = partition.stats.candidate_sets;
-  json["degenerate_facets"] = partition.stats.degenerate_facets;
-  json["lp_pivots"] = partition.stats.lp_pivots;
-  json["open_sets"] = partition.stats.open_sets;
-  json["resumed_regions"] = partition.stats.resumed_regions;
-  json["explore_bytes"] = partition.stats.memory_bytes;
-  json["cpu_seconds"] = clock.cpu.explore;
-  json["threads"] = threads;
-  json["processes"] = processes;
-  json["seconds"] = phasesJson(clock.seconds);
-  json["phase_cpu_seconds"] = phasesJson(clock.cpu);
-  json["laws"] = map.lawCount();
-  json["planes"] = map.planeCount();
-  json["nodes"] = map.nodeCount();
-  json["leaves"] = map.leafCount();
-  json["depth"] = map.cost().depth;
-  json["region_checks"] = map.cost().region_checks;
-  json["multiply_adds"] = map.cost().multiply_adds;
-  json["bytes"] = map.bytes();
-  if (partition.witness.size() > 0) json["witness"] = numbers(partition.witness);
-  if (partition.unbounded_at.size() > 0) json["unbounded_at"] = numbers(partition.unbounded_at);
-  return json.dump(2) + "\n";
-}
-
 // True when the result may be written; says why not otherwise.
 bool mayWrite(const SolveArguments& options, const Partition& partition) {
   if (partition.status == ExploreStatus::kComplete || options.force) return true;
@@ -197,62 +102,6 @@ bool mayWrite(const SolveArguments& options, const Partition& partition) {
     return false;
   }
   return true;
-}
-
-void reportEnd(const SolveArguments& options, const Partition& partition, const RegionMap& map,
-               const PhaseSeconds& seconds) {
-  switch (partition.status) {
-    case ExploreStatus::kComplete:
-    case ExploreStatus::kInfeasible:
-      break;
-    case ExploreStatus::kIncomplete:
-      std::fprintf(stderr,
-                   "offline_mpt: %s: the partition has a gap at theta = %s; kept, marked incomplete\n",
-                   options.map.c_str(), vectorText(partition.witness).c_str());
-      break;
-    case ExploreStatus::kUnbounded:
-      std::fprintf(stderr,
-                   "offline_mpt: %s: the cost is unbounded below at theta = %s; kept the regions of all "
-                   "parameters with a finite optimum, marked unbounded\n",
-                   options.map.c_str(), vectorText(partition.unbounded_at).c_str());
-      break;
-    case ExploreStatus::kLimited:
-    case ExploreStatus::kInterrupted:
-      std::fprintf(stderr, "offline_mpt: %s: %s: kept the %zu regions found so far, marked %s\n",
-                   options.map.c_str(),
-                   partition.status == ExploreStatus::kLimited ? "limit reached" : "interrupted",
-                   partition.regions.size(), toString(partition.status));
-      break;
-  }
-  if (options.quiet) return;
-  std::printf("%s: %s, %zu regions, %zu laws, depth %u, %zu bytes, explored in %.3g s, tree in %.3g s\n",
-              options.map.c_str(), toString(partition.status), map.regionCount(), map.lawCount(),
-              map.cost().depth, map.bytes(), seconds.explore, seconds.encode);
-}
-
-bool isStopped(const Partition& partition) {
-  return partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
-}
-
-// What stopped the exploration and where it can go on: said before the search tree takes its time.
-void reportStop(const SolveArguments& options, const Partition& partition) {
-  if (!isStopped(partition)) return;
-  if (partition.stats.lost_process > 0) {
-    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost after %zu regions\n",
-                 options.map.c_str(), partition.stats.lost_process, partition.regions.size());
-  }
-  if (partition.regions.empty()) return;
-  std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
-               checkpointOf(options).c_str(), partition.regions.size(),
-               static_cast<unsigned long long>(partition.stats.open_sets));
-}
-
-// Of regions whose search tree is not built.
-std::string whatRemains(const SolveArguments& options, const Partition& partition) {
-  const std::string regions = std::to_string(partition.regions.size()) + " regions";
-  return partition.stats.unsaved
-             ? regions + " are lost"
-             : checkpointOf(options) + " holds all " + regions + "; continue with --resume";
 }
 
 // From here on a signal or the end of the time limit ends the program. Nothing of an unfinished search tree
@@ -272,16 +121,6 @@ void limitTree(const SolveArguments& options, const Partition& partition) {
   const std::string message = unwritten + "; " + whatRemains(options, partition);
   if (stopRequested()) endNow(message);
   endOnSignal(message);
-}
-
-// Of a run that was stopped, or left a gap: whoever goes on should know what it will lead to.
-void reportUnbounded(const SolveArguments& options, const Partition& partition) {
-  if (partition.unbounded_at.size() == 0 || partition.status == ExploreStatus::kUnbounded) return;
-  std::fprintf(
-      stderr,
-      "offline_mpt: %s: the cost is unbounded below at theta = %s; explored to its end, it will be marked "
-      "unbounded\n",
-      options.map.c_str(), vectorText(partition.unbounded_at).c_str());
 }
 
 void checkFiles(const SolveArguments& options) {
@@ -415,7 +254,7 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
   removeCheckpoint(options, partition);
   if (!options.stats.empty()) {
     writeText(options.stats,
-              statsJson(program, partition, map, clock, options.explore.threads, session.processes()));
+              solveStats(program, partition, map, clock, options.explore.threads, session.processes()));
   }
   reportEnd(options, partition, map, clock.seconds);
   return exitCode(partition.status);
