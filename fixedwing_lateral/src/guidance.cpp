@@ -61,9 +61,6 @@ void LateralGuidance::setMission(Mission mission) {
 void LateralGuidance::beginSegment(Reversal reversal) noexcept {
   convergence_.restart();
   reversal_.begin(reversal);
-  junction_ = options_.choose_side ? junctionOf(track_.current(), track_.next(), air_.wind(),
-                                                options_.criterion.acceptance_radius)
-                                   : Junction{Reversal::kNone, true};
 }
 
 void LateralGuidance::clearMission() { track_ = MissionTrack(); }
@@ -87,10 +84,14 @@ void LateralGuidance::trustOptimisation() noexcept {
 
 void LateralGuidance::shapeCorner() noexcept {
   track_.setNearScale(scaling_.scale * scaling_.scale);
-  if (track_.empty() || !track_.gate().isBisected()) return;
-  const CornerConditions conditions{air_.airspeed(), air_.wind(), options_.limits.roll_reference,
-                                    nmpc_.horizon() * nmpc_.stepDuration()};
-  track_.shapeCorner(cornerShapeOf(track_.gate(), conditions, options_.weights.airspeed, options_.model));
+  if (track_.empty()) return;
+  const double roll = options_.limits.roll_reference;
+  const CornerConditions corner{air_.airspeed(), air_.wind(), roll, nmpc_.horizon() * nmpc_.stepDuration()};
+  track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
+  const SteadyTurn turn{air_.airspeed(), options_.model.gravity * std::tan(roll), air_.wind()};
+  junction_ = !options_.choose_side || track_.gate().isBisected()
+                  ? Junction{}
+                  : junctionOf(track_.current(), track_.next(), turn, options_.criterion.acceptance_radius);
 }
 
 // The horizon begins anew where its step changes.

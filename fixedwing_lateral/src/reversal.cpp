@@ -23,6 +23,19 @@ double toTheRight(const Vector2d& direction, const Vector2d& vector) noexcept {
 
 Reversal sideOf(double right) noexcept { return right < 0.0 ? Reversal::kLeft : Reversal::kRight; }
 
+/// How far from the line through `onward` the turn ends that begins its own radius before `end` [m].
+double endOfTurn(const PathPoint& end, const PathPoint& onward, double course_error, Reversal side,
+                 const SteadyTurn& turn) noexcept {
+  const double angle = std::abs(courseError(course_error, side));
+  const double radius = turn.airspeed * turn.airspeed / turn.acceleration;
+  const double duration = angle * turn.airspeed / turn.acceleration;
+  const Vector2d& along = end.tangent;
+  const Vector2d across = static_cast<double>(side) * Vector2d(-along.y(), along.x());
+  const Vector2d stop = end.position + radius * (std::sin(angle) - 1.0) * along +
+                        radius * (1.0 - std::cos(angle)) * across + duration * turn.wind;
+  return std::abs(toTheRight(onward.tangent, stop - onward.position));
+}
+
 Reversal choose(double course_error, const Vector2d& direction, const Vector2d& to_path,
                 const Vector2d& wind) noexcept {
   if (!(std::abs(course_error) > kBegins)) return Reversal::kNone;
@@ -42,15 +55,17 @@ Reversal ReversalChoice::update(const TrackError& error, const Vector2d& to_path
   return chosen_;
 }
 
-Junction junctionOf(const PathSegment& segment, const PathSegment& next, const Vector2d& wind,
+Junction junctionOf(const PathSegment& segment, const PathSegment& next, const SteadyTurn& turn,
                     double reach) noexcept {
   if (std::holds_alternative<LoiterCircle>(segment)) return {};
   const PathPoint end = pointAt(segment, length(segment));
   const PathPoint onward = closestOnCarrier(next, end.position).point;
   const Vector2d between = onward.position - end.position;
   const TrackError error = trackError(onward, end.position, end.tangent);
-  const Reversal reversal = choose(error.course, end.tangent, between, wind);
-  return {reversal, reversal == Reversal::kNone && between.norm() <= reach};
+  if (!(std::abs(error.course) > kBegins)) return {Reversal::kNone, between.norm() <= reach};
+  const double right = endOfTurn(end, onward, error.course, Reversal::kRight, turn);
+  const double left = endOfTurn(end, onward, error.course, Reversal::kLeft, turn);
+  return {left < right ? Reversal::kLeft : Reversal::kRight, false};
 }
 
 }  // namespace polyfly

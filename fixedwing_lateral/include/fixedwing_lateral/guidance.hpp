@@ -173,7 +173,7 @@ class LateralGuidance {
   GuidanceOptions options_;
   MissionTrack track_;
   ReversalChoice reversal_;
-  // Junction at the end of the current segment.
+  // Junction at the end of the current segment, in the present wind.
   Junction junction_;
   AirData air_;
   LateralObserver observer_;

@@ -33,8 +33,16 @@ struct Junction {
   bool is_shown = true;
 };
 
-/// `reach` [m]: how far from the end the next segment may begin, to be shown.
-Junction junctionOf(const PathSegment& segment, const PathSegment& next, const Eigen::Vector2d& wind,
+/// A turn by the greatest roll.
+struct SteadyTurn {
+  double airspeed = 14.0;                          ///< [m/s]
+  double acceleration = 6.87;                      ///< lateral, g tan(roll) [m/s^2], > 0
+  Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< (north, east) [m/s]
+};
+
+/// Where the path leads back, the turn goes to the side on which it ends nearer to the next segment's line: the wind moves the
+/// aircraft all through the turn. `reach` [m]: how far from the end the next segment may begin, to be shown.
+Junction junctionOf(const PathSegment& segment, const PathSegment& next, const SteadyTurn& turn,
                     double reach) noexcept;
 
 }  // namespace polyfly
