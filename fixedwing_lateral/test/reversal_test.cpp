@@ -62,7 +62,7 @@ TEST(ReversalChoice, TurnsTowardsThePathOrIntoTheWindAndThenStays) {
 TEST(Junction, IsHiddenWhereThePathLeadsBackOrLiesElsewhere) {
   const LineSegment line{{0.0, 0.0}, {200.0, 0.0}};
   const auto to = [&](const PathSegment& next) {
-    return junctionOf(line, next, {14.0, 6.87, {0.0, 3.0}}, 35.0);
+    return junctionOf(line, next, {14.0, 6.87, {0.0, 3.0}, {{170.0, 0.0}, {1.0, 0.0}}}, 35.0);
   };
   EXPECT_TRUE(to(LineSegment{{200.0, 0.0}, {200.0, 200.0}}).is_shown);
   const Junction back = to(LineSegment{{200.0, 0.0}, {0.0, 0.0}});
@@ -73,10 +73,10 @@ TEST(Junction, IsHiddenWhereThePathLeadsBackOrLiesElsewhere) {
   EXPECT_EQ(elsewhere.reversal, Reversal::kNone);
 }
 
-/// Distance from the line at which a turn ends, flown in small steps from its own radius before the corner [m].
+/// Distance from the line at which a turn ends, flown in small steps [m].
 double flownOffset(const LineSegment& next, double corner, bool to_right, const SteadyTurn& turn) {
   constexpr double kStep = 1e-4;
-  Vector2d position(-turn.airspeed * turn.airspeed / turn.acceleration, 0.0);
+  Vector2d position = turn.start.position;
   const double angle = to_right == (corner > 0.0) ? std::abs(corner) : 2.0 * kPi - std::abs(corner);
   const double rate = turn.acceleration / turn.airspeed;
   for (double turned = 0.0; turned < angle; turned += rate * kStep) {
@@ -97,7 +97,8 @@ TEST(Junction, TurnsToTheSideOnWhichTheTurnEndsNearerToTheNextLine) {
   int longer = 0;
   for (int i = 0; i < 200; ++i) {
     const double corner = (i % 2 == 0 ? 1.0 : -1.0) * sharp(random);
-    const SteadyTurn turn{14.0, 6.87, 14.0 * Vector2d(share(random), share(random))};
+    const PathPoint place{{aside(random) - 60.0, 0.2 * aside(random)}, {1.0, 0.0}};
+    const SteadyTurn turn{14.0, 6.87, 14.0 * Vector2d(share(random), share(random)), place};
     const Vector2d start(0.0, i % 4 < 2 ? 0.0 : aside(random));
     const LineSegment next{start, start + 300.0 * Vector2d(std::cos(corner), std::sin(corner))};
     const double right = flownOffset(next, corner, true, turn);

@@ -155,7 +155,7 @@ class LateralGuidance {
   LateralState predicted(const AircraftState& state) const noexcept;
   void learn(const GuidanceInput& input) noexcept;
   void fillData() noexcept;
-  void shapeCorner() noexcept;
+  void shapeCorner(const AircraftState& state) noexcept;
   void rescale() noexcept;
   void trustOptimisation() noexcept;
   void restart(const LateralState& state) noexcept;
