@@ -61,9 +61,6 @@ void LateralGuidance::setMission(Mission mission) {
 void LateralGuidance::beginSegment(Reversal reversal) noexcept {
   convergence_.restart();
   reversal_.begin(reversal);
-  junction_ = options_.choose_side ? junctionOf(track_.current(), track_.next(), air_.wind(),
-                                                options_.criterion.acceptance_radius)
-                                   : Junction{Reversal::kNone, true};
 }
 
 void LateralGuidance::clearMission() { track_ = MissionTrack(); }
@@ -85,12 +82,17 @@ void LateralGuidance::trustOptimisation() noexcept {
   probation_ = 1.0;
 }
 
-void LateralGuidance::shapeCorner() noexcept {
+void LateralGuidance::shapeCorner(const AircraftState& state) noexcept {
   track_.setNearScale(scaling_.scale * scaling_.scale);
-  if (track_.empty() || !track_.gate().isBisected()) return;
-  const CornerConditions conditions{air_.airspeed(), air_.wind(), options_.limits.roll_reference,
-                                    nmpc_.horizon() * nmpc_.stepDuration()};
-  track_.shapeCorner(cornerShapeOf(track_.gate(), conditions, options_.weights.airspeed, options_.model));
+  if (track_.empty()) return;
+  const double roll = options_.limits.roll_reference;
+  const CornerConditions corner{air_.airspeed(), air_.wind(), roll, nmpc_.horizon() * nmpc_.stepDuration()};
+  track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
+  junction_ = Junction{};
+  if (!options_.choose_side || track_.gate().isBisected()) return;
+  const PathPoint place{state.position, state.ground_velocity.normalized()};
+  const SteadyTurn turn{air_.airspeed(), options_.model.gravity * std::tan(roll), air_.wind(), place};
+  junction_ = junctionOf(track_.current(), track_.next(), turn, options_.criterion.acceptance_radius);
 }
 
 // The horizon begins anew where its step changes.
@@ -123,11 +125,11 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   last_time_ = input.time;
   if (!air_.airspeedAssumed() && scaled_airspeed_.update(air_.airspeed(), elapsed)) rescale();
   learn(input);
-  shapeCorner();
+  shapeCorner(state);
   if (track_.advance(state.position, state.ground_velocity, falls_back_)) {
     nmpc_.clearSwitch();
     beginSegment(junction_.reversal);
-    shapeCorner();
+    shapeCorner(state);
     prepared_ = false;
   }
   output_.segment = track_.index();
@@ -303,9 +305,8 @@ void LateralGuidance::chooseReversal(const AircraftState& state) noexcept {
   const PathPoint nearest = closestOnCarrier(track_.current(), state.position).point;
   const TrackError error = trackError(nearest, state.position, state.ground_velocity);
   const Reversal before = reversal_.chosen();
-  const Reversal now =
-      reversal_.update(error, nearest.position - state.position, state.ground_velocity, air_.wind());
-  if (now != before) prepared_ = false;
+  reversal_.update(error, nearest.position - state.position, state.ground_velocity, air_.wind());
+  if (reversal_.chosen() != before) prepared_ = false;
 }
 
 // From the reference of the call before, if the autopilot followed it.

@@ -46,6 +46,13 @@ Onward onwardOf(const PathSegment& segment, const PathSegment& next) {
   return onward;
 }
 
+/// How far from the corner two lines reach; 0 where one of them is curved [m].
+double roomOf(const PathSegment& segment, const PathSegment& next) {
+  const bool are_lines =
+      std::holds_alternative<LineSegment>(segment) && std::holds_alternative<LineSegment>(next);
+  return are_lines ? std::min(length(segment), length(next)) : 0.0;
+}
+
 }  // namespace
 
 Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loiter,
@@ -86,7 +93,9 @@ MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, co
     if (onward.is_smooth)
       here.acceptance_radius = std::min(criterion.acceptance_radius, criterion.smooth_radius);
     gates_.emplace_back(mission_.segments[i], here, where);
-    if (criterion.at_bisector && onward.joins && !onward.is_smooth) gates_.back().bisect(onward.direction);
+    if (criterion.at_bisector && onward.joins && !onward.is_smooth) {
+      gates_.back().bisect(onward.direction, roomOf(mission_.segments[i], mission_.segments[i + 1]));
+    }
   }
 }
 

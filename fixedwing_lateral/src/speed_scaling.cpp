@@ -57,7 +57,8 @@ CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& condit
   if (scaled_airspeed > 0.0) {
     const double most = std::max(1.0, (conditions.airspeed + conditions.wind.norm()) / scaled_airspeed);
     shape.radius_scale = most * most;
-    const double here = std::max(1.0, speed / scaled_airspeed);
+    const double fastest = gate.isBisected() ? speed : std::max(speed, conditions.airspeed);
+    const double here = std::max(1.0, fastest / scaled_airspeed);
     shape.published_scale = here * here;
   }
   const double radius = speed * speed / (model.gravity * std::tan(conditions.roll));

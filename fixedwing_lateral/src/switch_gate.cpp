@@ -10,8 +10,6 @@ namespace {
 
 // Greatest rest of the segment at a switch, in acceptance radii.
 constexpr double kLongestRest = kPi / 2.0;
-// Least length of the sum of both directions at a corner: twice the cosine of half the angle between them. 1 at 120 degrees.
-constexpr double kLeastSum = 1.0;
 
 }  // namespace
 
@@ -29,19 +27,23 @@ SwitchGate::SwitchGate(const PathSegment& segment, const SwitchCriterion& criter
   if (can_open_) end_ = pointAt(segment, length(segment));
 }
 
-void SwitchGate::bisect(const Eigen::Vector2d& onward) noexcept {
-  const Eigen::Vector2d sum = end_.tangent + onward;
-  if (!can_open_ || !(sum.norm() > kLeastSum)) return;
-  at_bisector_ = true;
-  between_ = sum.normalized();
-  const double half = std::acos(std::min(1.0, between_.dot(onward)));
-  corner_angle_ = 2.0 * half;
+// The turn of radius R that touches both segments begins at the distance R tan(half) from the corner. It meets the bisector at
+// the distance R (1 / cos(half) - 1). The acceptance radius is at least R, so divided by cos(half) it contains both places.
+void SwitchGate::bisect(const Eigen::Vector2d& onward, double room) noexcept {
+  if (!can_open_) return;
+  is_corner_ = true;
+  room_ = room;
+  corner_angle_ = std::acos(std::clamp(end_.tangent.dot(onward), -1.0, 1.0));
+  if (!(corner_angle_ < kSharpestBisected)) return;
+  const double half = 0.5 * corner_angle_;
+  between_ = (end_.tangent + onward).normalized();
+  widening_ = 1.0 / std::cos(half);
   least_corner_cosine_ = std::cos(std::min(kPi, std::acos(least_course_cosine_) + half));
 }
 
 bool SwitchGate::isMet(const Eigen::Vector2d& position,
                        const Eigen::Vector2d& ground_velocity) const noexcept {
-  if (!at_bisector_) return isMetAsPublished(position, ground_velocity);
+  if (!isBisected()) return isMetAsPublished(position, ground_velocity);
   const Eigen::Vector2d beyond = position - end_.position;
   // Written so that a NaN fails each of them.
   if (!(beyond.norm() < radius()) || !(between_.dot(beyond) >= -shape_.lead)) return false;
@@ -63,7 +65,7 @@ bool SwitchGate::isMetAsPublished(const Eigen::Vector2d& position,
 
 bool SwitchGate::isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept {
   if (!can_open_) return true;
-  const double reach = radius() + distance;
+  const double reach = (isBisected() ? radius() : publishedRadius()) + distance;
   return (position - end_.position).squaredNorm() >= reach * reach;
 }
 

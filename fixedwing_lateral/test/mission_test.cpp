@@ -67,7 +67,7 @@ TEST(MissionTrack, SwitchesCornersAtTheirBisectorWhereThatIsAskedFor) {
   EXPECT_FALSE(track.advance({190.0, 9.0}, kNorthward));
   EXPECT_TRUE(track.advance({190.0, 11.0}, kNorthward));
   EXPECT_FALSE(track.advance({190.0, 150.0}, {0.0, 14.0}));
-  track.shapeCorner({4.0, 0.0});  // up to 140 m from the corner
+  track.shapeCorner({3.0, 0.0});  // up to 149 m from the corner
   EXPECT_TRUE(track.advance({80.0, 180.0}, {-10.0, 10.0}));
   EXPECT_EQ(track.index(), 2);
   // By the published condition, for a law that does not look ahead.

@@ -16,6 +16,8 @@ using Eigen::Vector2d;
 using Index = LateralIndex;
 
 const LineSegment kNorthward{{0.0, 0.0}, {200.0, 0.0}};
+// Of a corner at its end [m].
+constexpr double kRoom = 200.0;
 
 SwitchGate gateOf(const PathSegment& segment) { return {segment, SwitchCriterion(), "test"}; }
 
@@ -77,29 +79,31 @@ TEST(SwitchGate, DoesNotSkipAnArcThatBeginsNearItsEnd) {
 // A corner to the east, at the end of the way north.
 TEST(SwitchGate, AtItsBisectorIsMetWhereTheNextSegmentIsNearer) {
   SwitchGate gate = gateOf(kNorthward);
-  gate.bisect({0.0, 1.0});
+  gate.bisect({0.0, 1.0}, kRoom);
   for (double north = 170.0; north <= 230.0; north += 2.0) {
     for (double east = -29.0; east <= 31.0; east += 2.0) {
       const Vector2d position(north, east);
       const Vector2d from_corner(north - 200.0, east);
-      if (from_corner.norm() > 34.9) continue;
+      if (from_corner.norm() > 49.4) continue;
       const double from_next = east < 0.0 ? from_corner.norm() : std::abs(north - 200.0);
       const double from_this = north > 200.0 ? from_corner.norm() : std::abs(east);
       if (std::abs(from_next - from_this) < 1e-9) continue;  // beyond both ends, and on the bisector itself
       EXPECT_EQ(gate.isMet(position, course(45.0)), from_next < from_this) << north << ' ' << east;
     }
   }
-  EXPECT_FALSE(gate.isMet({200.0, 35.1}, course(45.0)));
+  // The acceptance radius of 35 m, divided by the cosine of 45 degrees, is 49.5 m.
+  EXPECT_TRUE(gate.isMet({200.0, 49.4}, course(45.0)));
+  EXPECT_FALSE(gate.isMet({200.0, 49.6}, course(45.0)));
   gate.shapeCorner({2.0, 0.0});
-  EXPECT_TRUE(gate.isMet({200.0, 69.9}, course(45.0)));
-  EXPECT_FALSE(gate.isMet({200.0, 70.1}, course(45.0)));
-  EXPECT_FALSE(gate.isOutOfReach({120.0, 0.0}, 10.1));
-  EXPECT_TRUE(gate.isOutOfReach({120.0, 0.0}, 9.9));
+  EXPECT_TRUE(gate.isMet({200.0, 98.9}, course(45.0)));
+  EXPECT_FALSE(gate.isMet({200.0, 99.1}, course(45.0)));
+  EXPECT_FALSE(gate.isOutOfReach({100.0, 0.0}, 1.1));
+  EXPECT_TRUE(gate.isOutOfReach({100.0, 0.0}, 0.9));
 }
 
 TEST(SwitchGate, AtItsBisectorTakesCoursesBetweenBothDirections) {
   SwitchGate gate = gateOf(kNorthward);
-  gate.bisect({0.0, 1.0});
+  gate.bisect({0.0, 1.0}, kRoom);
   for (double degrees = -179.5; degrees < 180.0; degrees += 3.0) {
     const bool is_between = degrees > -45.0 && degrees < 135.0;
     EXPECT_EQ(gate.isMet({199.0, 4.0}, course(degrees)), is_between) << degrees;
@@ -110,7 +114,7 @@ TEST(SwitchGate, AtItsBisectorTakesCoursesBetweenBothDirections) {
 
 TEST(SwitchGate, AtItsBisectorKeepsThePublishedConditionForLawsThatAskForIt) {
   SwitchGate gate = gateOf(kNorthward);
-  gate.bisect({0.0, 1.0});
+  gate.bisect({0.0, 1.0}, kRoom);
   EXPECT_FALSE(gate.isMet({170.0, 0.0}, course(0.0)));
   EXPECT_TRUE(gate.isMetAsPublished({170.0, 0.0}, course(0.0)));
   EXPECT_FALSE(gate.isMetAsPublished({170.0, 0.0}, course(50.0)));
@@ -119,7 +123,7 @@ TEST(SwitchGate, AtItsBisectorKeepsThePublishedConditionForLawsThatAskForIt) {
 // A law that does not look ahead switches a corner on the radius: that of the ground speed in the corner's own direction.
 TEST(SwitchGate, AsPublishedGrowsWithTheSpeedInTheDirectionOfItsCorner) {
   SwitchGate gate = gateOf(kNorthward);
-  gate.bisect({0.0, 1.0});
+  gate.bisect({0.0, 1.0}, kRoom);
   const Vector2d between = Vector2d(1.0, 1.0).normalized();
   CornerConditions conditions;
   conditions.airspeed = 52.0;
@@ -140,15 +144,48 @@ TEST(SwitchGate, AsPublishedGrowsWithTheSpeedInTheDirectionOfItsCorner) {
   }
 }
 
-// Where a path leads back, nothing is cut, and there is no side on which the next segment is nearer.
-TEST(SwitchGate, HasNoBisectorFrom120DegreesOn) {
-  for (const double degrees : {60.0, 119.0, 121.0, 180.0}) {
-    SwitchGate gate = gateOf(kNorthward);
-    gate.bisect(course(degrees).normalized());
-    EXPECT_EQ(gate.isMet({170.0, 0.0}, course(0.0)), degrees > 120.0) << degrees;
+/// Whether a corner counts before its bisector, on the way to it: as published.
+bool isMetOnTheWay(double corner_degrees, double room, double scale) {
+  SwitchGate gate = gateOf(kNorthward);
+  gate.bisect(course(corner_degrees).normalized(), room);
+  gate.shapeCorner({scale, 0.0});
+  const bool is_met = gate.isMet({170.0, 0.0}, course(0.0));
+  EXPECT_EQ(gate.isBisected(), !is_met) << corner_degrees;
+  return is_met;
+}
+
+// 35 m / cos(70 degrees) = 102.3 m.
+TEST(SwitchGate, ASharpCornerHasABisectorWhereThereIsRoomForItsTurn) {
+  EXPECT_FALSE(isMetOnTheWay(140.0, 102.4, 1.0));
+  EXPECT_TRUE(isMetOnTheWay(140.0, 102.2, 1.0));
+  EXPECT_FALSE(isMetOnTheWay(-140.0, 204.7, 2.0));
+  EXPECT_TRUE(isMetOnTheWay(-140.0, 204.5, 2.0));
+  EXPECT_FALSE(isMetOnTheWay(119.0, 0.0, 2.0));
+  EXPECT_FALSE(isMetOnTheWay(159.0, 1e4, 1.0));
+  for (const double degrees : {161.0, 180.0, -161.0})
+    EXPECT_TRUE(isMetOnTheWay(degrees, 1e4, 1.0)) << degrees;
+}
+
+// The place on the bisector that the turn touching both lines passes lies within the radius, and so does its begin.
+TEST(SwitchGate, TheTurnOntoBothSegmentsLiesWithinTheRadiusOfABisector) {
+  constexpr double kTurn = 34.9;  // radius [m], below the acceptance radius
+  for (const double degrees : {20.0, 60.0, 100.0, 130.0, 150.0, 159.0}) {
+    const double half = degrees / 360.0 * kPi;
+    SwitchGate gate = gateOf(LineSegment{{-1e4, 0.0}, {0.0, 0.0}});
+    gate.bisect(course(degrees).normalized(), 1e4);
+    const Vector2d begin(-kTurn * std::tan(half), 0.0);
+    const Vector2d centre = begin + Vector2d(0.0, kTurn);
+    const Vector2d middle = centre + kTurn * Vector2d(std::sin(half), -std::cos(half));
+    for (const Vector2d& place : {begin, middle}) EXPECT_FALSE(gate.isOutOfReach(place, 0.0)) << degrees;
+    const Vector2d along(std::cos(half), std::sin(half));
+    EXPECT_FALSE(gate.isMet(middle - 0.1 * along, course(degrees / 2.0))) << degrees;
+    EXPECT_TRUE(gate.isMet(middle + 0.1 * along, course(degrees / 2.0))) << degrees;
   }
+}
+
+TEST(SwitchGate, WithoutAnEndHasNoBisector) {
   SwitchGate never;
-  never.bisect({0.0, 1.0});
+  never.bisect({0.0, 1.0}, kRoom);
   EXPECT_FALSE(never.isMet({1.0, 1.0}, course(45.0)));
 }
 
@@ -163,6 +200,21 @@ TEST(SwitchGate, RefusesACriterionOutOfRange) {
   };
   for (const double bad : {0.0, -35.0, std::nan(""), HUGE_VAL}) refused({bad, 0.5}, "acceptance_radius");
   for (const double bad : {0.0, -0.5, kPi, std::nan("")}) refused({35.0, bad}, "course_tolerance");
+}
+
+// The turn ends the other way, so wind from ahead does not make its radius smaller.
+TEST(SwitchGate, AsPublishedGrowsAtAReversalWithTheGreaterSpeed) {
+  SwitchGate gate = gateOf(LineSegment{{-2000.0, 0.0}, {0.0, 0.0}});
+  gate.bisect({-1.0, 0.0}, kRoom);
+  CornerConditions conditions;
+  conditions.airspeed = 52.0;
+  for (const auto& [along, speed] : {std::pair(0.0, 52.0), std::pair(26.0, 78.0), std::pair(-26.0, 52.0)}) {
+    conditions.wind = {along, 20.0};
+    gate.shapeCorner(cornerShapeOf(gate, conditions, 14.0, LateralModel{}));
+    const double radius = 35.0 * speed / 14.0 * speed / 14.0;
+    EXPECT_TRUE(gate.isMet({-0.999 * radius, 0.0}, course(0.0))) << along;
+    EXPECT_FALSE(gate.isMet({-1.001 * radius, 0.0}, course(0.0))) << along;
+  }
 }
 
 // Through the horizon: x_sw waits, rises by alpha from the gate on, and goes on rising where the condition is

@@ -155,7 +155,7 @@ class LateralGuidance {
   LateralState predicted(const AircraftState& state) const noexcept;
   void learn(const GuidanceInput& input) noexcept;
   void fillData() noexcept;
-  void shapeCorner() noexcept;
+  void shapeCorner(const AircraftState& state) noexcept;
   void rescale() noexcept;
   void trustOptimisation() noexcept;
   void restart(const LateralState& state) noexcept;
@@ -173,7 +173,7 @@ class LateralGuidance {
   GuidanceOptions options_;
   MissionTrack track_;
   ReversalChoice reversal_;
-  // Junction at the end of the current segment.
+  // Junction at the end of the current segment, in the present wind.
   Junction junction_;
   AirData air_;
   LateralObserver observer_;

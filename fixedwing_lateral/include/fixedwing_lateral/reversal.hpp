@@ -27,14 +27,24 @@ class ReversalChoice {
 
 /// How a segment follows another one.
 struct Junction {
-  Reversal reversal = Reversal::kNone;  ///< kNone unless it leads back
+  /// Of a turn that begins now. kNone unless the segment leads back, and the aircraft's course is still against it.
+  Reversal reversal = Reversal::kNone;
   /// It is not shown to the optimisation before it begins where it leads back or lies elsewhere: there is no
   /// corner to cut, and the horizon would do what it can to stay off the gate.
   bool is_shown = true;
 };
 
-/// `reach` [m]: how far from the end the next segment may begin, to be shown.
-Junction junctionOf(const PathSegment& segment, const PathSegment& next, const Eigen::Vector2d& wind,
+/// A turn by the greatest roll, from where the aircraft is.
+struct SteadyTurn {
+  double airspeed = 14.0;                          ///< [m/s]
+  double acceleration = 6.87;                      ///< lateral, g tan(roll) [m/s^2], > 0
+  Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< (north, east) [m/s]
+  PathPoint start;                                 ///< position and course
+};
+
+/// Where the path leads back, the turn goes to the side on which it ends nearer to the next segment's line: the wind moves the
+/// aircraft all through the turn. `reach` [m]: how far from the end the next segment may begin, to be shown.
+Junction junctionOf(const PathSegment& segment, const PathSegment& next, const SteadyTurn& turn,
                     double reach) noexcept;
 
 }  // namespace polyfly

@@ -42,7 +42,8 @@ namespace polyfly {
 // the error over a corner (rms 3.0 m to 1.8 at 14 m/s in a wind of 7 m/s); in calm a right angle needs none.
 //
 // At a bisector the radius only bounds where the corner is sought, so it is that of the fastest direction. A law that does
-// not look ahead switches on the radius itself: it grows with the ground speed v in the direction of this corner.
+// not look ahead switches on the radius itself: it grows with the ground speed v in the direction of this corner. So does the
+// radius of a sharp corner without a bisector, with the greater one of V and v along the segment: the turn ends the other way.
 
 /// What an airspeed makes of the options.
 struct SpeedScaling {
@@ -71,7 +72,7 @@ struct CornerConditions {
   double horizon = 4.0;                            ///< length of the horizon [s]
 };
 
-/// Of a gate that is bisected. `scaled_airspeed` is V_0 [m/s]; 0: the acceptance radius stays.
+/// `scaled_airspeed` is V_0 [m/s]; 0: the acceptance radius stays.
 CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& conditions, double scaled_airspeed,
                           const LateralModel& model) noexcept;
 

@@ -19,13 +19,18 @@ struct SwitchCriterion {
   bool at_bisector = false;
 };
 
-/// What the speed makes of a corner that is bisected.
+/// What the speed makes of a corner.
 struct CornerShape {
   double radius_scale = 1.0;  ///< factor of the acceptance radius, > 0
   double lead = 0.0;          ///< how far before the bisector it is switched [m], >= 0
   /// The same factor for the condition as published, where the radius decides how early a corner is switched.
   double published_scale = 1.0;
 };
+
+/// A corner is sharp from this angle on: the path leads back [rad].
+constexpr double kSharp = 120.0 / 180.0 * kPi;
+/// No corner is bisected from this angle on [rad].
+constexpr double kSharpestBisected = 160.0 / 180.0 * kPi;
 
 /// The switch condition of one segment, made ready for the horizon.
 ///
@@ -44,15 +49,20 @@ class SwitchGate {
 
   /// The next segment begins at this one's end, in the direction `onward` (a unit vector). Then the condition is also that
   /// the position lies beyond the line that halves the angle between both segments, where the next one is the nearer. The
-  /// course may be any between both directions, with the tolerance. Corners of 120 degrees and more stay as they are.
-  void bisect(const Eigen::Vector2d& onward) noexcept;
+  /// course may be any between both directions, with the tolerance. The turn onto both needs more room at a sharper corner, so
+  /// the acceptance radius is divided by the cosine of half the angle. A sharp corner is bisected only where that radius is at
+  /// most `room` [m], and below kSharpestBisected. Elsewhere it is switched as published, on a radius that fits the speed.
+  void bisect(const Eigen::Vector2d& onward, double room) noexcept;
 
-  bool isBisected() const noexcept { return at_bisector_; }
-  /// Of a corner that is bisected: the mean direction of both segments, and the angle from one to the other [rad].
-  const Eigen::Vector2d& cornerDirection() const noexcept { return between_; }
+  bool isBisected() const noexcept {
+    return is_corner_ && corner_angle_ < kSharpestBisected && (corner_angle_ < kSharp || radius() <= room_);
+  }
+  /// Of a corner: the direction in which it is flown, and the angle from one segment to the other [rad].
+  const Eigen::Vector2d& cornerDirection() const noexcept { return isBisected() ? between_ : end_.tangent; }
   double cornerAngle() const noexcept { return corner_angle_; }
 
-  void shapeCorner(const CornerShape& shape) noexcept { shape_ = shape; }
+  /// Nothing where bisect was not called.
+  void shapeCorner(const CornerShape& shape) noexcept { shape_ = is_corner_ ? shape : shape_; }
 
   /// False for a NaN, and below kLeastGroundSpeed.
   bool isMet(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) const noexcept;
@@ -65,12 +75,8 @@ class SwitchGate {
   bool isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept;
 
  private:
-  double radius() const noexcept {
-    return at_bisector_ ? shape_.radius_scale * acceptance_radius_ : acceptance_radius_;
-  }
-  double publishedRadius() const noexcept {
-    return at_bisector_ ? shape_.published_scale * acceptance_radius_ : acceptance_radius_;
-  }
+  double radius() const noexcept { return shape_.radius_scale * widening_ * acceptance_radius_; }
+  double publishedRadius() const noexcept { return shape_.published_scale * acceptance_radius_; }
 
   bool can_open_ = false;
   PathSegment segment_;
@@ -78,11 +84,14 @@ class SwitchGate {
   double acceptance_radius_ = 0.0;  // [m]
   // Cosine of the course tolerance.
   double least_course_cosine_ = 0.0;
-  bool at_bisector_ = false;
+  bool is_corner_ = false;
   // Mean direction of both segments at a corner, and the least cosine of the course's angle from it.
   Eigen::Vector2d between_ = Eigen::Vector2d::Zero();
   double least_corner_cosine_ = 0.0;
   double corner_angle_ = 0.0;  // [rad]
+  double room_ = 0.0;          // [m]
+  // Factor of the acceptance radius on the bisector.
+  double widening_ = 1.0;
   CornerShape shape_;
 };
 
