@@ -11,6 +11,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "offline_mpt/reduce_proven.hpp"
 
 namespace polyfly::bench {
 namespace {
@@ -25,6 +26,13 @@ double input(const RegionMap& map, std::size_t law, std::size_t row, const std::
   return u;
 }
 
+/// Bytes of the tables of the exported map.
+std::size_t tableBytes(const RegionMap& map) {
+  ExportOptions code;
+  code.name = "map";
+  return exportFlashBytes(map, code).tables;
+}
+
 /// Bytes of its tables: planes and laws in double, a node or leaf in two indices, of 16 bits where those suffice.
 std::size_t tableBytes(const LawTree& tree, const RegionMap& map) {
   const std::size_t width = map.parameters().size() + 1, entries = 2 * tree.nodes.size() + 1;
@@ -32,6 +40,22 @@ std::size_t tableBytes(const LawTree& tree, const RegionMap& map) {
   const std::size_t index = most <= std::numeric_limits<std::uint16_t>::max() ? 2 : 4;
   return sizeof(double) * width * (tree.usedPlanes() + map.inputs().size() * map.lawCount()) +
          2 * index * entries;
+}
+
+/// What a look-up in the reduced map takes, and its tables.
+void addReduced(const RegionMap& map, bool separate, Json& result) {
+  ReduceOptions options;
+  options.separate = separate;
+  const ProvenReduction reduced = reduceProven(map, "reduced", options, {});
+  const std::string name = separate ? "separated_" : "reduced_";
+  result[name + "proven"] = reduced.report.passed();
+  if (!reduced.report.passed()) return;
+  const RegionMap& view = reduced.image.view("reduced");
+  result[name + "regions"] = view.regionCount();
+  result[name + "nodes"] = view.nodeCount();
+  result[name + "depth"] = view.cost().depth;
+  result[name + "multiply_adds"] = view.cost().multiply_adds;
+  result[name + "table_bytes"] = tableBytes(view);
 }
 
 /// Of random parameters, the share that a region holds, and the number of those that the tree answers otherwise.
@@ -68,10 +92,8 @@ Json compareTrees(const TreeArguments& arguments) {
   options.mode = TreeMode::kSmall;
   const MapInMemory memory(encode(program, partition, options));
   const RegionMap& map = memory.map();
-  ExportOptions code;
-  code.name = "map";
   Json result = sizesOf(program, partition, map);
-  result["table_bytes"] = exportFlashBytes(map, code).tables;
+  result["table_bytes"] = tableBytes(map);
   const LawTree tree = buildLawTree(map, arguments.time_limit);
   result["law_tree_late"] = tree.is_late;
   if (tree.is_late) return result;
@@ -80,6 +102,8 @@ Json compareTrees(const TreeArguments& arguments) {
   result["law_tree_multiply_adds"] = map.parameters().size() * (tree.depth + map.inputs().size());
   result["law_tree_table_bytes"] = tableBytes(tree, map);
   addSamples(map, tree, result);
+  addReduced(map, false, result);
+  if (map.inputs().size() == 1 && partition.status == ExploreStatus::kComplete) addReduced(map, true, result);
   return result;
 }
 

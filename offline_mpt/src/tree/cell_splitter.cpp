@@ -14,8 +14,7 @@ namespace {
 // Planes and members that estimates look at, evenly drawn from more.
 constexpr std::size_t kPlanesScored = 200;
 constexpr std::size_t kMembersScored = 1024;
-// Planes whose split is computed exactly. Above kManyMembers members, estimates are good enough for one.
-constexpr std::size_t kPlanesTried = 3;
+// Above so many members, estimates are good enough for one plane.
 constexpr std::size_t kManyMembers = 200;
 // Planes tried before a cell counts as one that no plane divides.
 constexpr std::size_t kMostTried = 64;
@@ -38,6 +37,7 @@ bool CellSplitter::Estimate::isBetterThan(const Estimate& other) const {
 CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& options)
     : regions_(regions),
       threads_(std::max(1, options.threads)),
+      planes_tried_(options.planes_tried),
       all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance) {
   for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
@@ -107,7 +107,7 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, 
   std::sort(estimates.begin(), estimates.end(),
             [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
   const std::size_t all = tests(cell);
-  const std::size_t tried = cell.members.size() > kManyMembers ? 1 : kPlanesTried;
+  const std::size_t tried = cell.members.size() > kManyMembers ? 1 : planes_tried_;
   std::vector<unsigned char> sides(cell.members.size()), best_sides;
   std::optional<Estimate> best;
   for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {

@@ -73,6 +73,7 @@ class CellSplitter {
 
   const TreeRegions& regions_;
   int threads_;
+  std::size_t planes_tried_;
   bool all_rows_;
   double side_tolerance_;
   std::vector<MemberSolver> solvers_;  // one per thread

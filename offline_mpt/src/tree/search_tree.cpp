@@ -4,11 +4,13 @@
 #include <memory>
 #include <optional>
 #include <queue>
+#include <utility>
 
 #include "support/in_parallel.hpp"
 #include "tree/cell_splitter.hpp"
 #include "tree/growth_limit.hpp"
 #include "tree/tree_group.hpp"
+#include "tree/worst_lookup.hpp"
 
 namespace polyfly {
 namespace {
@@ -23,6 +25,9 @@ constexpr double kNearWorst = 0.75;
 constexpr std::size_t kLargeCell = 2000;
 // Such cells of a batch, one of them in kFast.
 constexpr std::size_t kLargeBatch = 4;
+
+// TreeOptions::planes_tried of the second tree of kSmall: estimates may rank the best plane as low as this.
+constexpr std::uint64_t kSmallPlanesTried = 20;
 
 // Of an allocation, besides its content.
 constexpr std::uint64_t kAllocation = 16;
@@ -379,7 +384,18 @@ class TreeGrower {
 }  // namespace
 
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
-  return TreeGrower(regions, options).run();
+  SearchTree tree = TreeGrower(regions, options).run();
+  if (options.mode != TreeMode::kSmall || tree.end == TreeEnd::kStopped) return tree;
+  TreeOptions more = options;
+  more.planes_tried = std::max(options.planes_tried, kSmallPlanesTried);
+  SearchTree other = TreeGrower(regions, more).run();
+  const std::uint64_t pivots = tree.pivots + other.pivots;
+  const auto cost = [&](const SearchTree& one) {
+    return std::make_pair(worstLookup(one, regions), one.nodes.size());
+  };
+  if (other.end != TreeEnd::kStopped && cost(other) < cost(tree)) tree = std::move(other);
+  tree.pivots = pivots;
+  return tree;
 }
 
 void runTreeProcess(ProcessGroup& group, int threads) {
@@ -388,7 +404,7 @@ void runTreeProcess(ProcessGroup& group, int threads) {
       TreeTask task = readTask(*bytes);
       task.options.threads = threads;
       task.options.group = &group;
-      buildTree(task.regions, task.options);
+      TreeGrower(task.regions, task.options).run();
     }
   } catch (const GroupExchange::Ended&) {  // process 0 has said why
   } catch (const std::exception& error) {
