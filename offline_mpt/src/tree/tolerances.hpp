@@ -36,8 +36,9 @@ constexpr double kSameAsBox = 1e-12;
 /// Where no member reaches further across a plane, the cell would have a flat side [scaled].
 constexpr double kFlatCell = 1e-7;
 
-/// Planes at a smaller angle that cross in the box leave an edge of a cell that is thin over a greater length than
-/// kMembership. What arrives there by rounding, no candidate need hold.
-constexpr double kSharpAngle = 1e-5;
+/// Planes at a smaller angle that cross in the box leave an edge of a cell. By rounding, parameters may arrive beyond it at
+/// a distance of kMissedPlane over the angle, and more where several planes meet. No candidate need hold them beyond
+/// kMembership, so the angle leaves ten times the room.
+constexpr double kSharpAngle = 10.0 * kMissedPlane / kMembership;
 
 }  // namespace polyfly::tolerance
