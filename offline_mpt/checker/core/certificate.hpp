@@ -91,6 +91,8 @@ class Certificate {
   const std::string& coverage() const { return coverage_; }
   virtual void requireKinds(const std::string& convexity, const std::string& coverage) const;
   virtual void requireCount(std::size_t claims) const;
+  /// Whether all regions, and all half-spaces of each, are in the map.
+  bool leavesNothingOut() const;
   /// The rest of a line that begins with `key`: the origin of a row of the last claim, and why it follows.
   void readFollows(const std::string& key, Line& line);
   Claim& lastClaim(const std::string& key);

@@ -34,6 +34,7 @@ std::string verdict(const CertifyReport& report) {
 }
 
 void writeStatement(const CertifyReport& report, std::ostringstream& text) {
+  constexpr double kUp = 1.00001;  // so that six digits are not below
   text << "exact verification: " << verdict(report) << "\n"
        << "  regions " << report.regions << ", conditions of optimality " << report.rows
        << ", of them implied " << report.implied_rows << "\n"
@@ -43,7 +44,7 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
        << "  greatest difference from the exact solution: law " << report.law_error << " (relative), plane "
        << report.plane_error << " (scaled)\n";
   if (report.beyond_facet > 0.0)
-    text << "  beyond a facet, u of a look-up differs by at most " << report.beyond_facet
+    text << "  beyond a facet, u of a look-up differs by at most " << kUp * report.beyond_facet
          << " from that of the region behind it\n";
   if (report.slivers > 0 || report.left_out_rows > 0)
     text << "  slivers that are left to the regions about them " << report.slivers
