@@ -87,7 +87,9 @@ void LateralGuidance::shapeCorner(const AircraftState& state) noexcept {
   if (track_.empty()) return;
   const double roll = options_.limits.roll_reference;
   const CornerConditions corner{air_.airspeed(), air_.wind(), roll, nmpc_.horizon() * nmpc_.stepDuration()};
-  track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
+  // The first shape decides whether the corner is bisected, and with that the direction in which it is flown.
+  for (int i = 0; i < 2; ++i)
+    track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
   junction_ = Junction{};
   if (!options_.choose_side || track_.gate().isBisected()) return;
   const PathPoint place{state.position, state.ground_velocity.normalized()};

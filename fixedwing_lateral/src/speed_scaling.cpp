@@ -53,16 +53,22 @@ LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& 
 CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& conditions, double scaled_airspeed,
                           const LateralModel& model) noexcept {
   CornerShape shape;
+  const double acceleration = model.gravity * std::tan(conditions.roll);  // in the steepest turn
   const double speed = std::max(0.0, conditions.airspeed + gate.cornerDirection().dot(conditions.wind));
+  const double greatest = conditions.airspeed + conditions.wind.norm();
   if (scaled_airspeed > 0.0) {
-    const double most = std::max(1.0, (conditions.airspeed + conditions.wind.norm()) / scaled_airspeed);
+    const double most = std::max(1.0, greatest / scaled_airspeed);
     shape.radius_scale = most * most;
     const double fastest = gate.isBisected() ? speed : std::max(speed, conditions.airspeed);
     const double here = std::max(1.0, fastest / scaled_airspeed);
     shape.published_scale = here * here;
   }
-  const double radius = speed * speed / (model.gravity * std::tan(conditions.roll));
-  const double unseen = radius * gate.cornerAngle() + speed * (model.a1 / model.a0 - conditions.horizon);
+  // The turn onto both segments of a sharp corner must begin within the radius.
+  if (gate.cornerAngle() >= kSharp)
+    shape.radius_scale =
+        std::max(shape.radius_scale, greatest * greatest / (acceleration * gate.acceptanceRadius()));
+  const double unseen =
+      speed * speed / acceleration * gate.cornerAngle() + speed * (model.a1 / model.a0 - conditions.horizon);
   shape.lead = kLeadShare * std::max(0.0, unseen);
   return shape;
 }

@@ -10,6 +10,8 @@ namespace {
 
 // Greatest rest of the segment at a switch, in acceptance radii.
 constexpr double kLongestRest = kPi / 2.0;
+// A bisected corner stays so up to this radius, in shares of the room.
+constexpr double kMostRoom = 1.5;
 
 }  // namespace
 
@@ -28,7 +30,7 @@ SwitchGate::SwitchGate(const PathSegment& segment, const SwitchCriterion& criter
 }
 
 // The turn of radius R that touches both segments begins at the distance R tan(half) from the corner. It meets the bisector at
-// the distance R (1 / cos(half) - 1). The acceptance radius is at least R, so divided by cos(half) it contains both places.
+// the distance R (1 / cos(half) - 1). An acceptance radius of at least R, divided by cos(half), contains both places.
 void SwitchGate::bisect(const Eigen::Vector2d& onward, double room) noexcept {
   if (!can_open_) return;
   is_corner_ = true;
@@ -39,6 +41,14 @@ void SwitchGate::bisect(const Eigen::Vector2d& onward, double room) noexcept {
   between_ = (end_.tangent + onward).normalized();
   widening_ = 1.0 / std::cos(half);
   least_corner_cosine_ = std::cos(std::min(kPi, std::acos(least_course_cosine_) + half));
+  fits_ = radius() <= room_;
+}
+
+void SwitchGate::shapeCorner(const CornerShape& shape) noexcept {
+  if (!is_corner_) return;
+  shape_ = shape;
+  fits_ = radius() <= (is_shaped_ && fits_ ? kMostRoom : 1.0) * room_;
+  is_shaped_ = true;
 }
 
 bool SwitchGate::isMet(const Eigen::Vector2d& position,

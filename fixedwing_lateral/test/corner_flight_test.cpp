@@ -73,8 +73,8 @@ double leastRmsOfL1(const Mission& mission, const Vector2d& wind) {
   return least;
 }
 
-// On each path, in each wind.
-TEST(Corners, OfAllAnglesAreNeverWorseThanByTheBestL1) {
+// On each of these paths, in each wind.
+TEST(Corners, OfSeededPathsCostNoMoreThanByTheBestL1) {
   for (const double least : {0.0, 120.0}) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
       const Mission mission = cornersFrom(least, seed);

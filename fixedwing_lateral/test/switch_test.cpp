@@ -166,6 +166,43 @@ TEST(SwitchGate, ASharpCornerHasABisectorWhereThereIsRoomForItsTurn) {
     EXPECT_TRUE(isMetOnTheWay(degrees, 1e4, 1.0)) << degrees;
 }
 
+// Radius 102.3 m, room 110 m: a speed that is a little too fast at times changes nothing.
+TEST(SwitchGate, ASharpCornerStaysBisectedWhileItsRadiusIsNotMuchGreaterThanTheRoom) {
+  SwitchGate gate = gateOf(kNorthward);
+  gate.bisect(course(140.0).normalized(), 110.0);
+  const auto isBisectedAt = [&](double scale) {
+    gate.shapeCorner({scale, 0.0});
+    return gate.isBisected();
+  };
+  EXPECT_FALSE(isBisectedAt(1.1));
+  EXPECT_TRUE(isBisectedAt(1.0));
+  EXPECT_TRUE(isBisectedAt(1.1));
+  EXPECT_TRUE(isBisectedAt(1.6));
+  EXPECT_FALSE(isBisectedAt(1.62));
+  EXPECT_FALSE(isBisectedAt(1.1));
+}
+
+// However small the acceptance radius of the options is, and where nothing is scaled.
+TEST(SwitchGate, TheRadiusOfASharpCornerContainsItsTurn) {
+  CornerConditions conditions;
+  conditions.wind = {0.0, 7.0};
+  const LateralModel model;
+  const double turn = 21.0 * 21.0 / (model.gravity * std::tan(conditions.roll));
+  for (const double acceptance : {5.0, 20.0, 35.0}) {
+    SwitchCriterion criterion;
+    criterion.acceptance_radius = acceptance;
+    SwitchGate gate(kNorthward, criterion, "test");
+    gate.bisect(course(140.0).normalized(), 1e4);
+    for (const double scaled_airspeed : {14.0, 0.0}) {
+      const CornerShape shape = cornerShapeOf(gate, conditions, scaled_airspeed, model);
+      EXPECT_GE(shape.radius_scale * acceptance, turn - 1e-9) << acceptance;
+    }
+    SwitchGate blunt(kNorthward, criterion, "test");
+    blunt.bisect(course(90.0).normalized(), 1e4);
+    EXPECT_EQ(cornerShapeOf(blunt, conditions, 0.0, model).radius_scale, 1.0);
+  }
+}
+
 // The place on the bisector that the turn touching both lines passes lies within the radius, and so does its begin.
 TEST(SwitchGate, TheTurnOntoBothSegmentsLiesWithinTheRadiusOfABisector) {
   constexpr double kTurn = 34.9;  // radius [m], below the acceptance radius

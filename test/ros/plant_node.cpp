@@ -117,7 +117,8 @@ void PlantNode::connect() {
     flight_status_sub_ = nh_.subscribe<online_controller::FlightStatus>(
         "flight_status", kUnbounded, [this](const online_controller::FlightStatus::ConstPtr& message) {
           const std::lock_guard<std::mutex> lock(mutex_);
-          controller_has_reference_ = !message->reference.empty();
+          const std::string& reference = message->reference;
+          controller_has_reference_ = !reference.empty() && reference.rfind("refused", 0) != 0;
         });
   }
   trajectory_sub_ = nh_.subscribe<trajectory_msgs::MultiDOFJointTrajectory>(

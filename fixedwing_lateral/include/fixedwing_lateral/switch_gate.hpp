@@ -52,17 +52,20 @@ class SwitchGate {
   /// course may be any between both directions, with the tolerance. The turn onto both needs more room at a sharper corner, so
   /// the acceptance radius is divided by the cosine of half the angle. A sharp corner is bisected only where that radius is at
   /// most `room` [m], and below kSharpestBisected. Elsewhere it is switched as published, on a radius that fits the speed.
+  /// A corner that is bisected stays so until the radius is 1.5 times `room`: noise of the airspeed does not decide.
   void bisect(const Eigen::Vector2d& onward, double room) noexcept;
 
   bool isBisected() const noexcept {
-    return is_corner_ && corner_angle_ < kSharpestBisected && (corner_angle_ < kSharp || radius() <= room_);
+    return is_corner_ && corner_angle_ < kSharpestBisected && (corner_angle_ < kSharp || fits_);
   }
   /// Of a corner: the direction in which it is flown, and the angle from one segment to the other [rad].
   const Eigen::Vector2d& cornerDirection() const noexcept { return isBisected() ? between_ : end_.tangent; }
   double cornerAngle() const noexcept { return corner_angle_; }
+  /// As given [m].
+  double acceptanceRadius() const noexcept { return acceptance_radius_; }
 
   /// Nothing where bisect was not called.
-  void shapeCorner(const CornerShape& shape) noexcept { shape_ = is_corner_ ? shape : shape_; }
+  void shapeCorner(const CornerShape& shape) noexcept;
 
   /// False for a NaN, and below kLeastGroundSpeed.
   bool isMet(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) const noexcept;
@@ -90,6 +93,9 @@ class SwitchGate {
   double least_corner_cosine_ = 0.0;
   double corner_angle_ = 0.0;  // [rad]
   double room_ = 0.0;          // [m]
+  // Whether a sharp corner has the room, by its last shape.
+  bool fits_ = false;
+  bool is_shaped_ = false;
   // Factor of the acceptance radius on the bisector.
   double widening_ = 1.0;
   CornerShape shape_;
