@@ -88,7 +88,7 @@ double flownOffset(const LineSegment& next, double corner, bool to_right, const 
   return std::abs(along.x() * off.y() - along.y() * off.x());
 }
 
-// Also where the next line lies beside the end, as in a survey.
+// Also where the next line lies beside the end, as on parallel lines.
 TEST(Junction, TurnsToTheSideOnWhichTheTurnEndsNearerToTheNextLine) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> sharp(125.0 / 180.0 * kPi, kPi);

@@ -46,8 +46,7 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
   if (match.invariance_rows > 0)
     std::printf(
         "%zu rows more keep the first step in a set within all bounds, which is robustly invariant as long "
-        "as the "
-        "references stay; that no greater set is so is not confirmed\n",
+        "as the references stay; that no greater set is so is not confirmed\n",
         match.invariance_rows);
 }
 
