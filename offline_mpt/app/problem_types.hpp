@@ -4,6 +4,7 @@
 #include <string>
 
 #include "command.hpp"
+#include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/search_tree.hpp"
 
 namespace polyfly {
@@ -55,5 +56,17 @@ const OwnSolver* ownSolverOf(const std::string& problem);
 
 /// The same for the problem that a map carries.
 const OwnSolver* ownSolverOf(const RegionMap& map);
+
+/// What each process of a job reads.
+struct JobInput {
+  const OwnSolver* own = nullptr;
+  ParametricProgram program;  ///< where there is no solver of its own
+  std::string summary;        ///< for MpiSession::readAlike
+
+  /// In words, for the summary.
+  std::string kind() const {
+    return own == nullptr ? "a parametric program" : std::string("type ") + own->type;
+  }
+};
 
 }  // namespace polyfly

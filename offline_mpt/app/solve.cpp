@@ -176,27 +176,19 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
   for (const LoopExcess& excess : loopExcess(problem, partition)) note(loopExcessText(problem, excess));
 }
 
-/// What all processes of a job read.
-struct SolveInput {
-  const OwnSolver* own = nullptr;
-  ParametricProgram program;  ///< where no solver of its own solves the problem
-  std::string summary;
-};
-
-SolveInput readInput(const SolveArguments& options) {
-  SolveInput input;
+JobInput readInput(const SolveArguments& options) {
+  JobInput input;
   input.own = ownSolverOf(options.problem);
   if (input.own == nullptr) input.program = loadCompleteProgram(options.problem);
-  input.summary = "problem of " +
-                  (input.own == nullptr ? "a parametric program" : std::string("type ") + input.own->type) +
-                  ", " + checksumOf(input.own == nullptr ? input.program.text : readText(options.problem));
+  input.summary = "problem of " + input.kind() + ", " +
+                  checksumOf(input.own == nullptr ? input.program.text : readText(options.problem));
   return input;
 }
 
 ExitCode lead(const SolveArguments& options, MpiSession& session) {
   checkFiles(options);
   PhaseClock clock;
-  const SolveInput input = session.readAlike([&] { return readInput(options); });
+  const JobInput input = session.readAlike([&] { return readInput(options); });
   if (const OwnSolver* own = input.own; own != nullptr) {
     session.leave();
     if (options.explore.region_limit != ExploreOptions().region_limit || options.explore.memory_limit > 0)
@@ -266,7 +258,7 @@ void assist(const SolveArguments& options, MpiSession& session) {
   MpiGroup& group = *session.group();
   PhaseClock clock;
   ignoreSignals();
-  const SolveInput input = session.readAlike([&] { return readInput(options); });
+  const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) return;  // process 0 solves it alone
   clock.end(&PhaseSeconds::load);
   const bool goes_on = runWorkerProcess(input.program, options.explore, group);

@@ -72,20 +72,12 @@ ParametricProgram programOf(const VerifyExactOptions& options, const RegionMap& 
                       options.map + ": problem text");
 }
 
-/// What all processes of a job read.
-struct ProofInput {
-  const OwnSolver* own = nullptr;
-  ParametricProgram program;  ///< where no solver of its own proves the map
-  std::string summary;
-};
-
-ProofInput readInput(const VerifyExactOptions& options) {
-  ProofInput input;
+JobInput readInput(const VerifyExactOptions& options) {
+  JobInput input;
   const RegionMap map = RegionMap::open(options.map);
   input.own = ownSolverOf(map);
   if (input.own == nullptr) input.program = programOf(options, map);
-  input.summary = "proof of the map " + hexDigits(map.checksum()) + " of " +
-                  (input.own == nullptr ? "a parametric program" : std::string("type ") + input.own->type);
+  input.summary = "proof of the map " + hexDigits(map.checksum()) + " of " + input.kind();
   return input;
 }
 
@@ -115,7 +107,7 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
   checkOutputs({{options.certificate}, {options.json}, {options.output, Output::Kind::kFile}}, inputs);
-  const ProofInput input = session.readAlike([&] { return readInput(options); });
+  const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) {
     session.leave();
     VerifyTask task;
@@ -158,7 +150,7 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
 /// A process of an MPI launcher that is not the first: it takes part in the proof and says nothing.
 void assist(VerifyExactOptions options, MpiSession& session) {
   options.quiet = true;
-  const ProofInput input = session.readAlike([&] { return readInput(options); });
+  const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) return;  // process 0 proves it alone
   Watch watch(options);
   CertifyOptions choices = watched(options, watch);

@@ -36,7 +36,8 @@ struct SearchTree {
   TreeEnd end = TreeEnd::kNoGain;
   std::uint32_t root = MapContent::kLeaf;
   std::uint32_t depth = 0;
-  std::uint64_t pivots = 0;             ///< simplex pivots that it took
+  std::uint64_t worst = 0;   ///< half-spaces that the worst look-up evaluates, nodes and candidates' rows
+  std::uint64_t pivots = 0;  ///< simplex pivots that it took
   std::vector<MapContent::Node> nodes;  ///< children follow their parents
   std::vector<MapContent::Leaf> leaves;
   std::vector<std::uint32_t> candidates;

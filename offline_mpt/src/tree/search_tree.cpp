@@ -10,7 +10,6 @@
 #include "tree/cell_splitter.hpp"
 #include "tree/growth_limit.hpp"
 #include "tree/tree_group.hpp"
-#include "tree/worst_lookup.hpp"
 
 namespace polyfly {
 namespace {
@@ -351,6 +350,12 @@ class TreeGrower {
     };
     append(candidates_, tree.candidates);
     if (!options_.all_rows) append(tests_, tree.tests);
+    std::uint64_t cost = leaf.depth;
+    for (std::size_t k = leaf.first_kept; k < leaf.first_kept + leaf.members; ++k) {
+      const auto rows = static_cast<std::uint32_t>(regions_.rows[candidates_[k]].size());
+      cost += options_.all_rows ? rows : testedRows(tests_[k], rows);
+    }
+    tree.worst = std::max(tree.worst, cost);
     return index | MapContent::kLeaf;
   }
 
@@ -390,9 +395,7 @@ SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   more.planes_tried = std::max(options.planes_tried, kSmallPlanesTried);
   SearchTree other = TreeGrower(regions, more).run();
   const std::uint64_t pivots = tree.pivots + other.pivots;
-  const auto cost = [&](const SearchTree& one) {
-    return std::make_pair(worstLookup(one, regions), one.nodes.size());
-  };
+  const auto cost = [](const SearchTree& one) { return std::make_pair(one.worst, one.nodes.size()); };
   if (other.end != TreeEnd::kStopped && cost(other) < cost(tree)) tree = std::move(other);
   tree.pivots = pivots;
   return tree;
