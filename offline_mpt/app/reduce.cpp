@@ -118,6 +118,12 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
       ->transform(oneOf(methods));
   command->add_flag("--separate", options->reduce.separate,
                     "Replace saturated regions by few fallback regions.");
+  const std::map<std::string, TreeMode> trees = {{"auto", TreeMode::kAuto}, {"small", TreeMode::kSmall}};
+  command
+      ->add_option(
+          "--tree", options->reduce.tree,
+          "How far the search tree grows: small (as far as it shortens look-ups), or auto (default).")
+      ->transform(oneOf(trees));
   command
       ->add_option(
           "--law-tolerance", options->reduce.law_tolerance,

@@ -41,6 +41,9 @@ class CellSplitter {
   /// Completes the rows to test of a leaf's members, see MemberSolver::addRowsForTolerance.
   void finishLeaf(Cell& cell, std::size_t thread);
 
+  /// The rows to test of a member, as MapContent::tests.
+  std::uint32_t testsOf(const CellMember& member) const { return solvers_.front().testsOf(member); }
+
   /// Simplex pivots of all threads, or of one.
   std::uint64_t pivots() const;
   std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].pivots(); }
@@ -57,7 +60,6 @@ class CellSplitter {
     bool isBetterThan(const Estimate& other) const;
   };
 
-  std::size_t tests(const CellMember& member) const;
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
   std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
@@ -74,7 +76,6 @@ class CellSplitter {
   const TreeRegions& regions_;
   int threads_;
   std::size_t planes_tried_;
-  bool all_rows_;
   double side_tolerance_;
   std::vector<MemberSolver> solvers_;  // one per thread
 };
