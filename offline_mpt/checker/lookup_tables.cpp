@@ -113,7 +113,7 @@ LookupTables lookupOf(const Map& map) {
 LookupTables withPlanesOf(const LookupTables& map, LookupTables code, double most) {
   const std::size_t stride = map.p + 1;
   std::vector<std::uint32_t> number;
-  std::vector<double> error(map.plane_error.size(), 0.0);
+  std::vector<double> error(map.plane_error.size(), -1.0);
   for (std::size_t i = 0; i < code.planes.size() / stride; ++i) {
     double least = std::numeric_limits<double>::infinity();
     number.push_back(0);
@@ -133,6 +133,8 @@ LookupTables withPlanesOf(const LookupTables& map, LookupTables code, double mos
       for (std::uint32_t& row : candidate.rows) row = 2 * number[row / 2] + row % 2;
     }
   }
+  const double greatest = error.empty() ? 0.0 : *std::max_element(error.begin(), error.end());
+  std::replace(error.begin(), error.end(), -1.0, greatest);
   code.planes = map.planes;
   code.plane_error = std::move(error);
   return code;
