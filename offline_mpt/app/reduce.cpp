@@ -120,9 +120,9 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
                     "Replace saturated regions by few fallback regions.");
   const std::map<std::string, TreeMode> trees = {{"auto", TreeMode::kAuto}, {"small", TreeMode::kSmall}};
   command
-      ->add_option(
-          "--tree", options->reduce.tree,
-          "How far the search tree grows: small (as far as it shortens look-ups), or auto (default).")
+      ->add_option("--tree", options->reduce.tree,
+                   "small: the tree grows as far as it shortens look-ups, and these leave out rows that it "
+                   "implies. Default: auto.")
       ->transform(oneOf(trees));
   command
       ->add_option(

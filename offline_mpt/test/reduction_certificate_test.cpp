@@ -44,6 +44,7 @@ class ReductionCertificate : public ::testing::TestWithParam<bool> {
   ReductionCertificate() : original_(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLL...."}))) {
     ReduceOptions options;
     options.separate = GetParam();
+    options.tree = TreeMode::kSmall;
     content_ = reduce(original_.map(), options).content;
     const MapInMemory reduced(content_);
     reduced_ = reduced.bytes();
@@ -131,7 +132,9 @@ TEST_P(ReductionCertificate, WeightsMustProveWhatTheyAreFor) {
 TEST(ReductionCertificateOfAController, RowsThatAreNotTestedHaveProofs) {
   const ParametricProgram program = doubleIntegrator(5);
   const MapInMemory original(encode(program, explore(program)));
-  const MapInMemory reduced(reduce(original.map()).content);
+  ReduceOptions small;
+  small.tree = TreeMode::kSmall;
+  const MapInMemory reduced(reduce(original.map(), small).content);
   ReductionOptions options;
   options.certificate = true;
   const std::string certificate = verifyReduction(reduced.map(), original.map(), options).certificate;

@@ -33,7 +33,7 @@ std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good
       auto& leaf = changed.leaves[i];
       const auto at = static_cast<std::ptrdiff_t>(leaf.first + k);
       changed.candidates.erase(changed.candidates.begin() + at);
-      changed.tests.erase(changed.tests.begin() + at);
+      if (!changed.tests.empty()) changed.tests.erase(changed.tests.begin() + at);
       for (auto& other : changed.leaves) other.first -= other.first > leaf.first ? 1 : 0;
       --leaf.count;
     }

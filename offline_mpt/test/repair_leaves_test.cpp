@@ -62,7 +62,9 @@ class LeafRepair : public ::testing::Test {
 TEST(RepairLeaves, AddsARowThatALeafMustTest) {
   const ParametricProgram program = doubleIntegrator(5);
   const MapInMemory original(encode(program, explore(program)));
-  const MapContent whole = reduce(original.map()).content;
+  ReduceOptions options;
+  options.tree = TreeMode::kSmall;
+  const MapContent whole = reduce(original.map(), options).content;
   int mended = 0;
   for (std::size_t k = 0; k < whole.tests.size(); ++k) {
     if (whole.tests[k] == 0) continue;
@@ -80,7 +82,7 @@ TEST(RepairLeaves, AddsARowThatALeafMustTest) {
 }
 
 TEST_F(LeafRepair, TestsAllRowsWhereDistancesAreComputedTooRoughly) {
-  content_.tolerance = 1e-16;
+  content_.tests.assign(content_.candidates.size(), 1);
   ReductionDefect rough;
   rough.kind = ReductionDefect::Kind::kAnswer;
   ReductionReport found;

@@ -129,6 +129,14 @@ TEST(SearchTree, ThereMayBeNoNodes) {
   EXPECT_EQ(tree.tests.back(), 0b10u);
 }
 
+TEST(SearchTree, AllRowsAreTestedOnRequest) {
+  TreeOptions options;
+  options.all_rows = true;
+  const SearchTree tree = buildTree(intervals(), options);
+  EXPECT_EQ(tree.leaves.size(), 16u);
+  EXPECT_TRUE(tree.tests.empty());
+}
+
 TEST(SearchTree, TheLimitOnNodesIsKept) {
   const TreeRegions regions = intervals();
   for (const std::uint64_t limit : {1u, 2u, 3u, 7u, 100u}) {

@@ -68,6 +68,8 @@ struct TreeOptions {
   /// Planes of a cell whose split is computed exactly, the best by estimates, at least 1. kSmall builds a second tree
   /// with more, and keeps the one with the shorter worst look-up.
   std::uint64_t planes_tried = 3;
+  /// Look-ups test all rows of a candidate: the leaves of the map will not name any, and `tests` stays empty.
+  bool all_rows = false;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
   double side_tolerance = 1e-12;
   /// Number of threads. The tree does not depend on it.
@@ -85,7 +87,8 @@ struct TreeOptions {
 /// the one whose look-up evaluates the most half-spaces, nodes on the path and rows of its candidates together.
 ///
 /// A region stays on a side of a plane if its part there, within the cell of the node, reaches further than
-/// side_tolerance, by linear programming. Of its rows, those count that bound this part within the cell.
+/// side_tolerance, by linear programming. Of its rows, those count that bound this part within the cell, unless
+/// all_rows is set.
 /// Each split takes the plane after which the fuller side has the fewest rows to test.
 ///
 /// With a group it throws LostProcess, or Error where another process fails.

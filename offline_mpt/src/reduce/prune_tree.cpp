@@ -39,6 +39,7 @@ class Pruner {
       writeLeaf(node.below);
       writeLeaf(node.above);
     }
+    if (tree_.tests.empty()) result_.tests.clear();
     return std::move(result_);
   }
 
@@ -100,8 +101,7 @@ class Pruner {
     else
       return std::nullopt;
     for (const std::uint32_t region : joined.candidates)
-      joined.tests.push_back(region < laws_.first_fallback ? solver_.testsAt(region, path_)
-                                                           : allRows(region));
+      joined.tests.push_back(testsAllRows(region) ? allRows(region) : solver_.testsAt(region, path_));
     if (cost(joined) > std::max(cost(below), cost(above)) + 1) return std::nullopt;
     return joined;
   }
@@ -117,6 +117,10 @@ class Pruner {
     return static_cast<std::uint32_t>(regions_.rows[region].size());
   }
 
+  bool testsAllRows(std::uint32_t region) const {
+    return tree_.tests.empty() || region >= laws_.first_fallback;
+  }
+
   std::uint32_t allRows(std::uint32_t region) const {
     const std::uint32_t rows = rowCount(region);
     return rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
@@ -128,7 +132,7 @@ class Pruner {
     for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
       candidates.push_back(tree_.candidates[k]);
       tests[candidates.back()] =
-          candidates.back() < laws_.first_fallback ? tree_.tests[k] : allRows(candidates.back());
+          testsAllRows(candidates.back()) ? allRows(candidates.back()) : tree_.tests[k];
     }
     std::sort(candidates.begin(), candidates.end());
     for (std::size_t i = candidates.size(); i-- > 0 && candidates.size() > 1;) {

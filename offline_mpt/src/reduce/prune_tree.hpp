@@ -18,7 +18,7 @@ struct PruneRegions {
 /// part there lies, within `slack`, in other candidates of its law, or in ordinary ones if it is a fallback
 /// region. A node whose children are leaves, one with all candidates of the other, becomes one leaf where that makes no
 /// look-up longer. Equal leaves are written once. All rows of fallback regions are tested: what they claim does not reach
-/// beyond them. `side_tolerance` is that of the tree.
+/// beyond them. Where `tree` names no tests, the result names none either. `side_tolerance` is that of the tree.
 SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws,
                      double slack, double side_tolerance, const SearchTree& tree);
 

@@ -53,7 +53,10 @@ class Encoder {
     options.mode = options_.tree;
     options.threads = options_.threads;
     options.side_tolerance = options_.side_tolerance;
-    if (options.mode != TreeMode::kSmall) options.node_limit = kNodesPerRegion * tree.rows.size();
+    if (options.mode != TreeMode::kSmall) {
+      options.all_rows = true;
+      options.node_limit = kNodesPerRegion * tree.rows.size();
+    }
     PruneRegions regions{{}, content.regions.size()};
     for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
     if (reduced_.first_fallback != 0) {

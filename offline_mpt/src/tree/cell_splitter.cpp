@@ -38,6 +38,7 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
     : regions_(regions),
       threads_(std::max(1, options.threads)),
       planes_tried_(options.planes_tried),
+      all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance) {
   for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
 }
@@ -54,17 +55,21 @@ Cell CellSplitter::whole() {
   return cell;
 }
 
+std::size_t CellSplitter::tests(const CellMember& member) const {
+  return all_rows_ ? regions_.rows[member.region].size() : member.rows.size();
+}
+
 std::size_t CellSplitter::tests(const Cell& cell) const {
   std::size_t sum = 0;
-  for (const CellMember& member : cell.members) sum += member.rows.size();
+  for (const CellMember& member : cell.members) sum += tests(member);
   return sum;
 }
 
 // A row on the plane of a node becomes a bound of the cells.
 std::size_t CellSplitter::testsBesides(const CellMember& member, std::size_t plane) const {
   const auto on_plane = [&](std::int32_t row) { return planeOf(row) == plane; };
-  const bool saves = std::any_of(member.rows.begin(), member.rows.end(), on_plane);
-  return member.rows.size() - (saves ? 1 : 0);
+  const bool saves = !all_rows_ && std::any_of(member.rows.begin(), member.rows.end(), on_plane);
+  return tests(member) - (saves ? 1 : 0);
 }
 
 std::uint64_t CellSplitter::pivots() const {
@@ -74,6 +79,7 @@ std::uint64_t CellSplitter::pivots() const {
 }
 
 void CellSplitter::finishLeaf(Cell& cell, std::size_t thread) {
+  if (all_rows_) return;
   for (CellMember& member : cell.members) solvers_[thread].addRowsForTolerance(member, cell.path);
 }
 
@@ -160,7 +166,7 @@ std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) con
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     const CellMember& member = cell.members[m];
     block.weigh(member.inner.data(), {member.points.data(), member.points.size() / p}, side_tolerance_,
-                static_cast<double>(member.rows.size()));
+                static_cast<double>(tests(member)));
   }
   std::vector<Estimate> estimates;
   for (std::size_t i = 0; i < planes.size(); ++i)

@@ -60,6 +60,7 @@ class CellSplitter {
     bool isBetterThan(const Estimate& other) const;
   };
 
+  std::size_t tests(const CellMember& member) const;
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
   std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
@@ -76,6 +77,7 @@ class CellSplitter {
   const TreeRegions& regions_;
   int threads_;
   std::size_t planes_tried_;
+  bool all_rows_;
   double side_tolerance_;
   std::vector<MemberSolver> solvers_;  // one per thread
 };

@@ -69,6 +69,7 @@ class TreeGrower {
     finishLeaves(0);
     SearchTree tree;
     tree.root = layOut(0, tree);
+    if (options_.all_rows) tree.tests.clear();
     tree.end = end;
     tree.pivots = now_.pivots;
     return tree;
@@ -315,7 +316,7 @@ class TreeGrower {
     LeafList list;
     for (const CellMember& member : cell.members) {
       list.candidates.push_back(member.region);
-      list.tests.push_back(splitter_.testsOf(member));
+      list.tests.push_back(options_.all_rows ? MapContent::kAllRows : splitter_.testsOf(member));
     }
     return list;
   }

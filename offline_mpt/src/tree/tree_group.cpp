@@ -18,6 +18,7 @@ void TreeGroup::begin(const TreeRegions& regions, const TreeOptions& options) {
   out.put(options.explored_pivots);
   out.put(options.memory_limit);
   out.put(options.planes_tried);
+  out.put(options.all_rows);
   out.put(options.side_tolerance);
   exchange_.begin(task);
 }
@@ -37,6 +38,7 @@ TreeTask readTask(const std::vector<std::byte>& bytes) {
   task.options.explored_pivots = in.get<std::uint64_t>();
   task.options.memory_limit = in.get<std::uint64_t>();
   task.options.planes_tried = in.get<std::uint64_t>();
+  task.options.all_rows = in.get<bool>();
   task.options.side_tolerance = in.get<double>();
   return task;
 }

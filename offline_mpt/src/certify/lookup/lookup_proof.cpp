@@ -31,6 +31,13 @@ class LeafProver {
 
   LeafResult prove() {
     LeafResult result;
+    if (context_.tree.namesTwice(visit_)) {
+      Defect defect;
+      defect.kind = Defect::Kind::kLookup;
+      defect.text = name_ + ": names a region twice";
+      result.defects.push_back(std::move(defect));
+      return result;
+    }
     if (!LeafWalk(context_, visit_).prove(result.text)) cover(result);
     return result;
   }

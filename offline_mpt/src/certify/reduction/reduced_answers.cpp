@@ -39,6 +39,12 @@ bool proveAnswers(const RegionMap& reduced, const ReductionOptions& options, std
     return true;
   }
   const LookupTree tree(reduced);
+  for (std::size_t visit = 0; visit < tree.size(); ++visit) {
+    if (!tree.isLeaf(visit) || !tree.namesTwice(visit)) continue;
+    defects.push_back(
+        defectOf("leaf " + std::to_string(tree.leaf(visit)) + " of the reduced map names a region twice"));
+    defects.back().leaf = static_cast<int>(tree.leaf(visit));
+  }
   std::vector<RegionDrops> drops(reduced.regionCount());
   const bool finished =
       inParallel(drops.size(), options.threads, options.stop, {}, [&](std::size_t, std::uint64_t i) {

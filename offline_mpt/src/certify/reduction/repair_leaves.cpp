@@ -43,7 +43,7 @@ std::uint32_t allRows(const MapContent& content, std::uint32_t region) {
 bool repair(const ReductionDefect& defect, const MapContent& content, LeafTests& leaf) {
   const LeafTests before = leaf;
   for (const std::uint32_t region : defect.missing) leaf.emplace(region, allRows(content, region));
-  if (defect.kind == ReductionDefect::Kind::kAnswer) leaf[defect.region] |= 1u << std::min(defect.row, 31);
+  if (defect.row >= 0) leaf[defect.region] |= 1u << std::min(defect.row, 31);
   return leaf != before;
 }
 
