@@ -118,6 +118,12 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
       ->transform(oneOf(methods));
   command->add_flag("--separate", options->reduce.separate,
                     "Replace saturated regions by few fallback regions.");
+  const std::map<std::string, TreeMode> trees = {{"auto", TreeMode::kAuto}, {"small", TreeMode::kSmall}};
+  command
+      ->add_option("--tree", options->reduce.tree,
+                   "small: the tree grows as far as it shortens look-ups, and these leave out rows that it "
+                   "implies. Default: auto.")
+      ->transform(oneOf(trees));
   command
       ->add_option(
           "--law-tolerance", options->reduce.law_tolerance,

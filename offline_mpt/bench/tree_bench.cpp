@@ -46,6 +46,7 @@ std::size_t tableBytes(const LawTree& tree, const RegionMap& map) {
 void addReduced(const RegionMap& map, bool separate, Json& result) {
   ReduceOptions options;
   options.separate = separate;
+  options.tree = TreeMode::kSmall;
   const ProvenReduction reduced = reduceProven(map, "reduced", options, {});
   const std::string name = separate ? "separated_" : "reduced_";
   result[name + "proven"] = reduced.report.passed();

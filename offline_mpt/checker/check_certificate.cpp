@@ -94,7 +94,7 @@ void confirm(const checker::Arguments& arguments) {
     conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);
   } else {
     const checker::Map original(readFile(original_file));
-    const checker::Reduction proof(readFile(certificate), map, original);
+    checker::Reduction proof(readFile(certificate), map, original);
     proof.check();
     conditions = proof.conditions();
   }

@@ -7,8 +7,6 @@
 namespace checker {
 namespace {
 
-// Of sums of differences in doubles, of parameters that are rounded into the box of floats.
-constexpr double kOwnRounding = 1.0 + 1e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double roundedUp(double value) { return std::nextafter(value, kInfinity); }
@@ -37,7 +35,8 @@ ExportedAnswers ExportProof::run() {
   requireOrder(map_);
   requireOrder(code_);
   compareBoxes();
-  comparePlanes();
+  // Half-spaces of both that are nearly but not quite parallel would make bases that are nearly singular.
+  code_ = withPlanesOf(map_, std::move(code_), kInfinity);
   descend(code_.root(), map_.root());
   addJumps();
   if (!code_.greatest_input.empty()) addSaturation();
@@ -60,20 +59,6 @@ void ExportProof::compareBoxes() const {
     require(code_.box.lower[i] <= map_.box.lower[i] && code_.box.upper[i] >= map_.box.upper[i],
             "the code's box does not hold the map's");
   }
-}
-
-/// From here on the code's planes are the map's, and their difference counts as rounding. Half-spaces of both that are
-/// nearly but not quite parallel would make bases that are nearly singular.
-void ExportProof::comparePlanes() {
-  require(code_.planes.size() == map_.planes.size(), "the code has another number of planes than the map");
-  const std::size_t stride = map_.p + 1;
-  for (std::size_t at = 0; at < map_.planes.size(); at += stride) {
-    double difference = std::abs(code_.planes[at + map_.p] - map_.planes[at + map_.p]);
-    for (std::size_t i = 0; i < map_.p; ++i)
-      difference += std::abs(code_.planes[at + i] - map_.planes[at + i]) * code_.box.greatest(i);
-    code_.plane_error[at / stride] += difference * kOwnRounding;
-  }
-  code_.planes = map_.planes;
 }
 
 /// Where the computed value of a row is at most `limit`.
@@ -292,11 +277,12 @@ void ExportProof::boundRows(const Candidate& candidate) {
   }
 }
 
-void requireSameTables(const Map& map, const LookupTables& code) {
+void requireSameTables(const Map& map, const LookupTables& exported) {
   const LookupTables same = lookupOf(map);
+  require(exported.p == same.p, "the code has another number of parameters than the map");
+  const LookupTables code = withPlanesOf(same, exported, 0.0);
   require(code.box.lower == same.box.lower && code.box.upper == same.box.upper,
           "the code's box is not the map's");
-  require(code.planes == same.planes, "the code's planes are not the map's");
   require(code.laws == same.laws && code.q == same.q, "the code's laws are not the map's");
   require(code.tolerance == same.tolerance, "the code's tolerance is not the map's");
   require(map.first_fallback == 0 || code.handicap == same.handicap, "the code's handicap is not the map's");

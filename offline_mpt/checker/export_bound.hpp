@@ -61,7 +61,6 @@ class ExportProof {
   void look();
   void requireOrder(const LookupTables& tables) const;
   void compareBoxes() const;
-  void comparePlanes();
   void descend(std::uint32_t code_child, std::uint32_t map_child);
   void compare(std::uint32_t code_leaf, std::uint32_t map_leaf);
   void choices(const LookupTables& tables, const std::vector<Candidate>& leaf, bool visits_outside,
@@ -88,7 +87,8 @@ class ExportProof {
   std::map<LeafRegion, std::vector<double>> jumps_;
 };
 
-/// Code of doubles has the tables of its map, number for number, and so the same answers. Throws Refused.
+/// Code of doubles has the tables of its map, number for number, and so the same answers. Planes that no look-up reads
+/// may be missing. Throws Refused.
 void requireSameTables(const Map& map, const LookupTables& code);
 
 /// The bounds of code of any type. Throws Refused where a table is of another kind or size than the map's.

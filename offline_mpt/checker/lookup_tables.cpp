@@ -1,12 +1,17 @@
 #include "lookup_tables.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace checker {
 namespace {
 
 // The sums below are in doubles; this covers their rounding.
 constexpr double kOwnRounding = 1.0 + 1e-9;
+// Of differences, of parameters that are rounded into the box of floats.
+constexpr double kRoundedBox = 1.0 + 1e-6;
 
 /// Bound of the error of sum a_i theta_i + constant, theta in the box.
 double errorOf(const double* entries, const LookupTables& tables, const Arithmetic& arithmetic) {
@@ -53,6 +58,13 @@ LookupTables::Candidate candidateOf(const Map& map, std::size_t number) {
   return candidate;
 }
 
+/// The greatest difference of the values of two planes in the box.
+double differenceOf(const double* a, const double* b, const Box& box) {
+  double difference = std::abs(a[box.size()] - b[box.size()]);
+  for (std::size_t i = 0; i < box.size(); ++i) difference += std::abs(a[i] - b[i]) * box.greatest(i);
+  return difference * kRoundedBox;
+}
+
 }  // namespace
 
 void boundRounding(LookupTables& tables, const Arithmetic& arithmetic) {
@@ -96,6 +108,36 @@ LookupTables lookupOf(const Map& map) {
   }
   boundRounding(tables, kDoubles);
   return tables;
+}
+
+LookupTables withPlanesOf(const LookupTables& map, LookupTables code, double most) {
+  const std::size_t stride = map.p + 1;
+  std::vector<std::uint32_t> number;
+  std::vector<double> error(map.plane_error.size(), -1.0);
+  for (std::size_t i = 0; i < code.planes.size() / stride; ++i) {
+    double least = std::numeric_limits<double>::infinity();
+    number.push_back(0);
+    for (std::size_t k = 0; k < error.size() && least > 0.0; ++k) {
+      const double difference =
+          differenceOf(code.planes.data() + i * stride, map.planes.data() + k * stride, code.box);
+      if (difference >= least) continue;
+      least = difference;
+      number[i] = static_cast<std::uint32_t>(k);
+    }
+    require(least <= most, "a plane of the code is none of the map's");
+    error[number[i]] = std::max(error[number[i]], code.plane_error[i] + least);
+  }
+  for (std::uint32_t& plane : code.node_plane) plane = number[plane];
+  for (std::vector<LookupTables::Candidate>& leaf : code.leaves) {
+    for (LookupTables::Candidate& candidate : leaf) {
+      for (std::uint32_t& row : candidate.rows) row = 2 * number[row / 2] + row % 2;
+    }
+  }
+  const double greatest = error.empty() ? 0.0 : *std::max_element(error.begin(), error.end());
+  std::replace(error.begin(), error.end(), -1.0, greatest);
+  code.planes = map.planes;
+  code.plane_error = std::move(error);
+  return code;
 }
 
 }  // namespace checker

@@ -71,6 +71,10 @@ void boundRounding(LookupTables& tables, const Arithmetic& arithmetic);
 
 LookupTables lookupOf(const Map& map);
 
+/// The code's tables with planes of the map in place of its own, for each the nearest. Their difference, which counts as
+/// rounding from then on, is not above `most`. Planes that the code lacks get the greatest error. Throws Refused.
+LookupTables withPlanesOf(const LookupTables& map, LookupTables code, double most);
+
 enum class CodeType { kDouble, kFloat, kInt16 };
 
 /// What NAME.c holds. Tables of integers are scaled to the map's units; all of them are exact as doubles.

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/lookups.hpp"
 #include "core/rows.hpp"
 
 namespace checker {
@@ -40,7 +42,7 @@ class MapRows {
 class Reduction {
  public:
   Reduction(const std::string& text, const Map& reduced, const Map& original);
-  void check() const;
+  void check();
   /// Conditions that a reader must know besides "confirmed".
   std::string conditions() const;
 
@@ -83,6 +85,8 @@ class Reduction {
   Fraction law_tolerance_, slack_;
   /// Keys of the head lines that were read.
   std::set<std::string> head_;
+  /// Where leaves of the reduced map test some rows only.
+  std::optional<LookupAnswers> answers_;
   /// Proofs by region.
   std::vector<std::string> originals_, claims_;
   MapRows reduced_, original_;

@@ -122,6 +122,21 @@ TEST_F(LookupMutation, NoTreeThatAnswersWronglyIsProvenOrConfirmed) {
   EXPECT_GT(wrong, 200);
 }
 
+// A look-up takes the first one, whatever rows the second one names.
+TEST_F(LookupMutation, ACandidateThatALeafNamesTwice) {
+  MapContent changed = content_;
+  const auto at = static_cast<std::ptrdiff_t>(changed.leaves.front().first);
+  changed.candidates.insert(changed.candidates.begin() + at,
+                            changed.candidates[changed.leaves.front().first]);
+  changed.tests.insert(changed.tests.begin() + at, 0);
+  ++changed.leaves.front().count;
+  for (std::size_t k = 1; k < changed.leaves.size(); ++k) ++changed.leaves[k].first;
+  EXPECT_NE(refusalOfMap(changed), "");
+  const CertifyReport report = certify(MapInMemory(changed).map(), program_);
+  ASSERT_EQ(report.defects.size(), 1u);
+  EXPECT_NE(report.defects.front().text.find("twice"), std::string::npos);
+}
+
 TEST_F(LookupMutation, AllLeavesButOneEmptied) {
   for (const std::size_t kept : {std::size_t{0}, content_.leaves.size() / 2}) {
     MapContent changed = content_;

@@ -1,14 +1,18 @@
 // Certificates of reductions: the checker confirms right ones, and no proof of a wrong map.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "exact_programs.hpp"
 #include "grid_map.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
 #include "offline_mpt/reduce.hpp"
 #include "offline_mpt/verify_reduction.hpp"
 #include "polyfly_base/error.hpp"
@@ -40,6 +44,7 @@ class ReductionCertificate : public ::testing::TestWithParam<bool> {
   ReductionCertificate() : original_(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLL...."}))) {
     ReduceOptions options;
     options.separate = GetParam();
+    options.tree = TreeMode::kSmall;
     content_ = reduce(original_.map(), options).content;
     const MapInMemory reduced(content_);
     reduced_ = reduced.bytes();
@@ -122,6 +127,27 @@ TEST_P(ReductionCertificate, WeightsMustProveWhatTheyAreFor) {
     }
   }
   EXPECT_GT(tried, 20u);
+}
+
+TEST(ReductionCertificateOfAController, RowsThatAreNotTestedHaveProofs) {
+  const ParametricProgram program = doubleIntegrator(5);
+  const MapInMemory original(encode(program, explore(program)));
+  ReduceOptions small;
+  small.tree = TreeMode::kSmall;
+  const MapInMemory reduced(reduce(original.map(), small).content);
+  ReductionOptions options;
+  options.certificate = true;
+  const std::string certificate = verifyReduction(reduced.map(), original.map(), options).certificate;
+  EXPECT_EQ(reductionRefusal(certificate, reduced.bytes(), original.bytes()), "");
+  std::vector<std::string> lines = linesOf(certificate);
+  lines.pop_back();
+  const auto is_drop = [](const std::string& line) { return line.rfind("drop ", 0) == 0; };
+  const auto first = std::remove_if(lines.begin(), lines.end(), is_drop);
+  EXPECT_GT(lines.end() - first, 3);
+  lines.erase(first, lines.end());
+  const std::string refusal =
+      reductionRefusal(withEnd(joined(lines, "\n") + "\n"), reduced.bytes(), original.bytes());
+  EXPECT_NE(refusal.find("is not tested"), std::string::npos) << refusal;
 }
 
 TEST_P(ReductionCertificate, TolerancesHaveLimits) {

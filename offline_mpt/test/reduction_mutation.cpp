@@ -31,15 +31,26 @@ std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good
     for (std::uint32_t k = 0; k < good.leaves[i].count; ++k) {
       MapContent& changed = change("candidate " + std::to_string(k) + " of leaf " + std::to_string(i));
       auto& leaf = changed.leaves[i];
-      changed.candidates.erase(changed.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first + k));
+      const auto at = static_cast<std::ptrdiff_t>(leaf.first + k);
+      changed.candidates.erase(changed.candidates.begin() + at);
+      if (!changed.tests.empty()) changed.tests.erase(changed.tests.begin() + at);
       for (auto& other : changed.leaves) other.first -= other.first > leaf.first ? 1 : 0;
       --leaf.count;
+    }
+  }
+  for (std::size_t k = 0; k < good.tests.size(); ++k) {
+    const bool is_fallback = good.first_fallback != 0 && good.candidates[k] >= good.first_fallback;
+    for (std::uint32_t row = 0; row < 31 && !is_fallback; ++row) {  // all rows of fallback regions are tested
+      if (!isTested(good.tests[k], row)) continue;
+      change("row " + std::to_string(row) + " of candidate " + std::to_string(k)).tests[k] ^= 1u << row;
     }
   }
   for (std::size_t i = 0; i < good.regions.size(); ++i) {
     auto& law = change("law of region " + std::to_string(i)).regions[i].law;
     law = (law + 1) % 4;
-    change("rows of region " + std::to_string(i)).regions[i].row_count = 0;  // claims the whole box
+    MapContent& whole = change("rows of region " + std::to_string(i));
+    whole.regions[i].row_count = 0;  // claims the whole box
+    for (std::size_t k = 0; k < whole.tests.size(); ++k) whole.tests[k] *= whole.candidates[k] == i ? 0 : 1;
   }
   return result;
 }

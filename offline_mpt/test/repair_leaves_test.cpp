@@ -1,6 +1,7 @@
 // Slivers that the tree of a reduced map leaves to a neighbour which does not hold them: leaves are mended.
 #include <algorithm>
 
+#include "exact_programs.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
 #include "offline_mpt/encode.hpp"
@@ -57,6 +58,39 @@ class LeafRepair : public ::testing::Test {
   MapInMemory original_;
   MapContent content_;
 };
+
+TEST(RepairLeaves, AddsARowThatALeafMustTest) {
+  const ParametricProgram program = doubleIntegrator(5);
+  const MapInMemory original(encode(program, explore(program)));
+  ReduceOptions options;
+  options.tree = TreeMode::kSmall;
+  const MapContent whole = reduce(original.map(), options).content;
+  int mended = 0;
+  for (std::size_t k = 0; k < whole.tests.size(); ++k) {
+    if (whole.tests[k] == 0) continue;
+    MapContent content = whole;
+    content.tests[k] &= content.tests[k] - 1;
+    const ReductionReport found = verifyReduction(MapInMemory(content).map(), original.map());
+    // The tree keeps a row that touches its cell.
+    if (found.passed()) continue;
+    EXPECT_EQ(found.defects.front().kind, ReductionDefect::Kind::kAnswer);
+    ASSERT_TRUE(repairLeaves(content, found));
+    EXPECT_TRUE(verifyReduction(MapInMemory(content).map(), original.map()).passed()) << k;
+    ++mended;
+  }
+  EXPECT_GT(mended, 10);
+}
+
+TEST_F(LeafRepair, TestsAllRowsWhereDistancesAreComputedTooRoughly) {
+  content_.tests.assign(content_.candidates.size(), 1);
+  ReductionDefect rough;
+  rough.kind = ReductionDefect::Kind::kAnswer;
+  ReductionReport found;
+  found.defects.push_back(rough);
+  ASSERT_TRUE(repairLeaves(content_, found));
+  EXPECT_TRUE(content_.tests.empty());
+  EXPECT_FALSE(repairLeaves(content_, found));
+}
 
 TEST_F(LeafRepair, AddsACandidateThatALeafLacks) {
   ASSERT_TRUE(report().passed());

@@ -10,33 +10,19 @@ constexpr int kReach = 8;       // tolerances by which a row that is not tested 
 constexpr int kWideBits = 26;   // look-ups accept no more than |t_j| <= 1 + 2^-26
 constexpr int kUnitBits = 120;  // the rounding error is rounded up to a multiple of 2^-120
 constexpr double kMostTolerance = 1e-8;
-constexpr std::size_t kStatus = 3;  // place among the strings of a map
 
 }  // namespace
 
-Lookups::Lookups(const Map& map, const Fraction& plane_tolerance, const std::vector<ProvenRegion>& regions,
-                 RowsOfRegion rows)
-    : map_(map),
-      regions_(regions),
-      rows_(std::move(rows)),
-      scaling_(map),
-      tolerance_(map.tolerance),
-      plane_tolerance_(plane_tolerance),
-      drops_(map.regions.size()) {
-  requirePlainMap();
+LookupAnswers::LookupAnswers(const Map& map)
+    : map_(map), tolerance_(map.tolerance), scaling_(map), drops_(map.regions.size()) {
+  require(tolerance_ > 0 && tolerance_ <= Fraction(kMostTolerance), "the map's tolerance is out of range");
   findRounding();
   walkTree();
 }
 
-void Lookups::requirePlainMap() const {
-  require(map_.reduced_from == 0 && map_.first_fallback == 0, "the map was reduced");
-  require(map_.words[kStatus] == "complete", "the map's status is not complete");
-  require(tolerance_ > 0 && tolerance_ <= Fraction(kMostTolerance), "the map's tolerance is out of range");
-}
-
 /// Of the sum of p products and a constant, in any order, with or without fused operations. The test of the box lets
 /// |t_j| <= 1 + tolerance pass, and what the rounding of its bounds adds.
-void Lookups::findRounding() {
+void LookupAnswers::findRounding() {
   for (std::size_t j = 0; j < map_.p; ++j) {
     const Fraction size = abs(scaling_.centre[j]) + scaling_.half[j];
     require(size * powerOfTwo(-50) <= (powerOfTwo(-kWideBits) - tolerance_) * scaling_.half[j],
@@ -58,7 +44,7 @@ void Lookups::findRounding() {
   require(4 * rounding_ <= tolerance_, "distances from planes are not computed precisely enough");
 }
 
-void Lookups::walkTree() {
+void LookupAnswers::walkTree() {
   std::vector<Visit> open{{map_.root, 0, 0}};
   while (!open.empty()) {
     require(visits_.size() <= 2 * map_.nodes.size(), "a node has two parents");
@@ -73,7 +59,7 @@ void Lookups::walkTree() {
   }
 }
 
-std::vector<std::int32_t> Lookups::pathTo(std::size_t visit) const {
+std::vector<std::int32_t> LookupAnswers::pathTo(std::size_t visit) const {
   std::vector<std::int32_t> path;
   for (; visit != 0; visit = visits_[visit].parent) path.push_back(visits_[visit].row);
   std::reverse(path.begin(), path.end());
@@ -81,52 +67,44 @@ std::vector<std::int32_t> Lookups::pathTo(std::size_t visit) const {
 }
 
 /// The inner side of a signed row: row (t, 1) >= 0.
-Vector Lookups::mapRow(std::int32_t row) const {
+Vector LookupAnswers::mapRow(std::int32_t row) const {
   const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(row)) - 1) * (map_.p + 1);
   const int sign = row > 0 ? -1 : 1;
   return scaling_.inBox(plane, sign, -sign * Fraction(plane[map_.p]));
 }
 
-Row Lookups::movedRow(std::int32_t row, const Fraction& outwards) const {
+Row LookupAnswers::movedRow(std::int32_t row, const Fraction& outwards) const {
   Vector values = mapRow(row);
   values.back() += outwards;
   return primitive(values);
 }
 
-Fraction Lookups::leastInWideBox(const Vector& row) const {
+Fraction LookupAnswers::leastInWideBox(const Vector& row) const {
   Fraction sides;
   for (std::size_t j = 0; j < map_.p; ++j) sides += abs(row[j]);
   return row.back() - sides * (1 + powerOfTwo(-kWideBits));
 }
 
-std::int32_t Lookups::rowOf(std::size_t region, std::size_t row) const {
+std::int32_t LookupAnswers::rowOf(std::size_t region, std::size_t row) const {
   require(row < map_.regions[region].row_count, "a proof names a row that is not there");
   return map_.rows[map_.regions[region].first_row + row];
 }
 
-void Lookups::check(const std::vector<std::string>& lines, const Progress& progress) {
-  std::size_t next = 0;
-  for (; next < lines.size(); ++next) {
-    Line line(lines[next]);
-    if (!line.next("drop")) break;
-    readDrop(line);
-    line.end();
-  }
-  for (std::size_t visit = 0; visit < visits_.size(); ++visit) {
-    progress("node", visit, visits_.size());
-    if ((visits_[visit].child & Map::kLeaf) == 0) continue;
+void LookupAnswers::checkLeaves(const Progress& progress, const std::function<void()>& visit) {
+  for (std::size_t i = 0; i < visits_.size(); ++i) {
+    progress("node", i, visits_.size());
+    if ((visits_[i].child & Map::kLeaf) == 0) continue;
     try {
-      readCandidates(visit);
-      checkCoverage(lines, next);
+      readCandidates(i);
+      visit();
     } catch (const Refused& error) {
-      throw Refused("leaf " + std::to_string(visits_[visit].child & ~Map::kLeaf) + ": " + error.what());
+      throw Refused("leaf " + std::to_string(visits_[i].child & ~Map::kLeaf) + ": " + error.what());
     }
   }
-  require(next == lines.size(), "there are more proofs of look-ups than leaves");
 }
 
 /// row = sum of weights times rows on the path and rows of the region + rest, and rest >= constant.
-void Lookups::readDrop(Line& line) {
+void LookupAnswers::readDrop(Line& line) {
   const std::size_t region = line.count(map_.regions.size() - 1);
   Drop drop;
   drop.visit = line.count(visits_.size() - 1);
@@ -152,7 +130,7 @@ void Lookups::readDrop(Line& line) {
 }
 
 /// Dropped rows of a region on the way to the leaf, the last first.
-std::vector<const Lookups::Drop*> Lookups::dropsOf(std::size_t region) const {
+std::vector<const LookupAnswers::Drop*> LookupAnswers::dropsOf(std::size_t region) const {
   std::vector<const Drop*> result;
   const std::vector<Drop>& all = drops_[region];
   for (std::size_t visit = visit_;; visit = visits_[visit].parent) {
@@ -164,7 +142,7 @@ std::vector<const Lookups::Drop*> Lookups::dropsOf(std::size_t region) const {
 }
 
 /// No row of a candidate is violated by more than kReach tolerances where the look-up accepts it.
-void Lookups::checkBounds(std::size_t region, std::uint32_t bits) const {
+void LookupAnswers::checkBounds(std::size_t region, std::uint32_t bits) const {
   const std::size_t count = map_.regions[region].row_count;
   const Fraction most = kReach * tolerance_;
   Vector bound(count, most);
@@ -199,21 +177,18 @@ void Lookups::checkBounds(std::size_t region, std::uint32_t bits) const {
 }
 
 /// Reads the leaf that a visit leads to, and shows that its answers are right.
-void Lookups::readCandidates(std::size_t visit) {
+void LookupAnswers::readCandidates(std::size_t visit) {
   visit_ = visit;
   path_ = pathTo(visit);
   candidates_.clear();
-  known_.clear();
   tests_.clear();
   const Map::Leaf& leaf = map_.leaves[visits_[visit].child & ~Map::kLeaf];
   for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
+    require(!contains(candidates_, map_.candidates[k]), "a region is a candidate twice");
     candidates_.push_back(map_.candidates[k]);
-    require(known_.insert(candidates_.back()).second, "a region is a candidate twice");
     tests_.push_back(map_.tests.empty() ? 0xffffffffu : map_.tests[k]);
     checkBounds(candidates_.back(), tests_.back());
   }
 }
-
-bool Lookups::isCandidate(std::size_t region) const { return contains(candidates_, region); }
 
 }  // namespace checker

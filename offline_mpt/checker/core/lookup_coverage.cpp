@@ -4,8 +4,35 @@
 #include "core/lookups.hpp"
 
 namespace checker {
+namespace {
+
+constexpr std::size_t kStatus = 3;  // place among the strings of a map
+
+}  // namespace
+
+Lookups::Lookups(const Map& map, const Fraction& plane_tolerance, const std::vector<ProvenRegion>& regions,
+                 RowsOfRegion rows)
+    : LookupAnswers(map), regions_(regions), rows_(std::move(rows)), plane_tolerance_(plane_tolerance) {
+  require(map_.reduced_from == 0 && map_.first_fallback == 0, "the map was reduced");
+  require(map_.words[kStatus] == "complete", "the map's status is not complete");
+}
+
+void Lookups::check(const std::vector<std::string>& lines, const Progress& progress) {
+  std::size_t next = 0;
+  for (; next < lines.size(); ++next) {
+    Line line(lines[next]);
+    if (!line.next("drop")) break;
+    readDrop(line);
+    line.end();
+  }
+  checkLeaves(progress, [&] { checkCoverage(lines, next); });
+  require(next == lines.size(), "there are more proofs of look-ups than leaves");
+}
+
+bool Lookups::isCandidate(std::size_t region) const { return contains(candidates_, region); }
 
 void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& next) {
+  known_ = {candidates_.begin(), candidates_.end()};
   require(next < lines.size(), "a leaf has no proof");
   Line line(lines[next++]);
   require(line.word() == "leaf", "a leaf has no proof");

@@ -33,14 +33,71 @@ using RowsOfRegion = std::function<std::vector<Row>(std::size_t)>;
 /// Is told how many items of a kind are checked.
 using Progress = std::function<void(const char* kind, std::size_t done, std::size_t total)>;
 
-/// Lines of a certificate about look-ups, checked against the map: lookup_answers.cpp and lookup_coverage.cpp.
-/// Everything throws Refused.
-class Lookups {
+/// What look-ups answer, checked leaf by leaf: lookup_answers.cpp. Everything throws Refused.
+class LookupAnswers {
+ public:
+  explicit LookupAnswers(const Map& map);
+  virtual ~LookupAnswers() = default;
+
+  /// Reads a line after `drop`.
+  void readDrop(Line& line);
+  /// Shows for all leaves that answers are right, and calls `visit` at each.
+  void checkLeaves(const Progress& progress, const std::function<void()>& visit);
+
+ protected:
+  Vector mapRow(std::int32_t row) const;
+  Row movedRow(std::int32_t row, const Fraction& outwards) const;
+  std::int32_t rowOf(std::size_t region, std::size_t row) const;
+
+  /// A row of a region as a combination of rows on the path and of others, see CERTIFICATE.md.
+  struct Drop {
+    std::size_t visit = 0, row = 0;
+    Fraction constant, path_weight, row_weight;
+    std::vector<std::pair<std::size_t, Fraction>> rows;
+  };
+  std::vector<const Drop*> dropsOf(std::size_t region) const;
+
+  const Map& map_;
+  const Fraction tolerance_;
+  /// Greatest rounding error of a distance in a look-up.
+  Fraction rounding_;
+
+  // The leaf at hand.
+  std::vector<std::int32_t> path_;
+  std::vector<std::size_t> candidates_;
+  /// Which rows of each candidate a look-up tests.
+  std::vector<std::uint32_t> tests_;
+
+ private:
+  /// A node or leaf, in the order of descents, and the row that leads there.
+  struct Visit {
+    std::uint32_t child = 0;
+    std::size_t parent = 0;
+    std::int32_t row = 0;
+  };
+
+  void findRounding();
+  void walkTree();
+  std::vector<std::int32_t> pathTo(std::size_t visit) const;
+  Fraction leastInWideBox(const Vector& row) const;
+  void readCandidates(std::size_t visit);
+  void checkBounds(std::size_t region, std::uint32_t tests) const;
+
+  const Scaling scaling_;
+  std::vector<Visit> visits_;
+  /// By region, ascending by visit.
+  std::vector<std::vector<Drop>> drops_;
+  /// That of the leaf at hand.
+  std::size_t visit_ = 0;
+};
+
+/// Lines of a certificate about look-ups, checked against the map: what is not missed, lookup_coverage.cpp, besides what is
+/// answered.
+class Lookups : public LookupAnswers {
  public:
   /// `rows` gives the half-spaces of a region that count in the proof of coverage.
   Lookups(const Map& map, const Fraction& plane_tolerance, const std::vector<ProvenRegion>& regions,
           RowsOfRegion rows);
-  virtual ~Lookups() = default;
 
   void check(const std::vector<std::string>& lines, const Progress& progress);
 
@@ -57,7 +114,6 @@ class Lookups {
   /// The part of the leaf with path rows >= mu, and these rows.
   std::vector<const Row*> cellWith(const std::vector<Row>& rows) const;
 
-  const Map& map_;
   const std::vector<ProvenRegion>& regions_;
   const RowsOfRegion rows_;
   /// Candidates of the leaf at hand, and regions that are proven not to be missed.
@@ -66,41 +122,12 @@ class Lookups {
   std::vector<std::size_t> near_;
 
  private:
-  /// A node or leaf, in the order of descents, and the row that leads there.
-  struct Visit {
-    std::uint32_t child = 0;
-    std::size_t parent = 0;
-    std::int32_t row = 0;
-  };
-  /// A row of a region as a combination of rows on the path and of others, see CERTIFICATE.md.
-  struct Drop {
-    std::size_t visit = 0, row = 0;
-    Fraction constant, path_weight, row_weight;
-    std::vector<std::pair<std::size_t, Fraction>> rows;
-  };
-
   /// What covers a cell: tested rows of candidates, moved outwards, and what lies beyond the boundary.
   struct CoverBy {
     Fraction reach;
     bool boundary = false;
   };
 
-  void requirePlainMap() const;
-  void findRounding();
-  void walkTree();
-  std::vector<std::int32_t> pathTo(std::size_t visit) const;
-  Vector mapRow(std::int32_t row) const;
-  Row movedRow(std::int32_t row, const Fraction& outwards) const;
-  Fraction leastInWideBox(const Vector& row) const;
-  std::int32_t rowOf(std::size_t region, std::size_t row) const;
-
-  // What is answered: lookup_answers.cpp.
-  void readDrop(Line& line);
-  void readCandidates(std::size_t visit);
-  void checkBounds(std::size_t region, std::uint32_t tests) const;
-  std::vector<const Drop*> dropsOf(std::size_t region) const;
-
-  // What is not missed: lookup_coverage.cpp.
   void checkCoverage(const std::vector<std::string>& lines, std::size_t& next);
   void checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const;
   void checkWalk(Line& line, const std::vector<std::string>& lines, std::size_t& next);
@@ -111,21 +138,8 @@ class Lookups {
   void readOutside(Line& line);
   void readNear(Line& line);
 
-  const Scaling scaling_;
-  const Fraction tolerance_, plane_tolerance_;
-  /// Greatest rounding error of a distance in a look-up.
-  Fraction rounding_;
-  std::vector<Visit> visits_;
-  /// By region, ascending by visit.
-  std::vector<std::vector<Drop>> drops_;
-
-  // The leaf at hand.
-  std::size_t visit_ = 0;
-  std::vector<std::int32_t> path_;
-  std::vector<std::size_t> candidates_;
-  /// Which rows of each candidate a look-up tests.
-  std::vector<std::uint32_t> tests_;
-  /// mu
+  const Fraction plane_tolerance_;
+  /// mu, at the leaf at hand
   Fraction depth_;
   std::vector<Row> path_inside_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
@@ -62,8 +63,10 @@ std::optional<ProvenCode> proveRepaired(const RegionMap& map, const checker::Map
                                         ExportOptions options) {
   constexpr int kMostRepairs = 4;
   options.chosen.clear();
-  const checker::ExportedCode first = checker::readCode(exportSource(map, options));
-  const LeafRows rows(checked, first.tables);
+  const checker::LookupTables first =
+      checker::withPlanesOf(checker::lookupOf(checked), checker::readCode(exportSource(map, options)).tables,
+                            std::numeric_limits<double>::infinity());
+  const LeafRows rows(checked, first);
   const LeafRows* const of_added = added == AddedRows::kNeeded ? &rows : nullptr;
   if (options.type != ExportType::kDouble) options.chosen = neededRows(map, rows);
   for (int repairs = 0;; ++repairs) {

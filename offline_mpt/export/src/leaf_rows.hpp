@@ -12,7 +12,7 @@ namespace polyfly {
 /// code is proven with it.
 class LeafRows {
  public:
-  /// Both outlive the object.
+  /// Both outlive the object. The code has the map's planes (withPlanesOf).
   LeafRows(const checker::Map& map, const checker::LookupTables& code);
 
   /// Those of the rows `tests` that a parameter in the leaf may violate by more than the tolerance while it holds the

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "offline_mpt/search_tree.hpp"
 #include "region_maps/lookup.hpp"
 #include "region_maps/map_content.hpp"
 
@@ -31,6 +32,10 @@ struct ReduceOptions {
   bool separate = false;  ///< let few fallback regions take the place of saturated ones
   /// Laws that differ by less anywhere in the box are one, relative to max(1, |finite bounds of u|).
   double law_tolerance = 1e-9;
+  /// How far the search tree grows. kSmall: as far as it shortens look-ups, and these leave out rows that the way to a
+  /// leaf implies. kAuto: at most two nodes per region, and look-ups test all rows, so that errors of exported floats and
+  /// integers are small.
+  TreeMode tree = TreeMode::kAuto;
   /// TreeOptions::side_tolerance; a tenth of it where there are fallback regions.
   double side_tolerance = 1e-9;
   int threads = 1;                          ///< 1..256; the result does not depend on it

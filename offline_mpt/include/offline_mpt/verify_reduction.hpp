@@ -28,12 +28,17 @@ struct ReductionDefect {
   enum class Kind : std::uint8_t {
     kLost,   ///< a region of the original has a part that the reduced map does not answer as it should
     kClaim,  ///< a region of the reduced map claims a parameter that no region with its law holds
+    /// A leaf of the reduced map does not test a row of a candidate, and is not proven to answer only within 8 tolerances
+    /// of it.
+    kAnswer,
   };
   Kind kind = Kind::kLost;
-  std::uint32_t region = 0;  ///< kLost: of the original; kClaim: of the reduced map
-  Eigen::VectorXd witness;   ///< parameter in the box
+  std::uint32_t region = 0;  ///< kLost: of the original; otherwise of the reduced map
+  Eigen::VectorXd witness;   ///< parameter in the box; empty for kAnswer
   std::string text;          ///< a sentence
-  int leaf = -1;             ///< kLost: of the reduced map, at which the part arrives
+  /// kLost: of the reduced map, at which the part arrives. kAnswer: that of the row, -1 where no leaf may leave out rows.
+  int leaf = -1;
+  int row = -1;  ///< kAnswer: of the region
   /// kLost: regions of the reduced map with its law that hold `witness` within the slack.
   std::vector<std::uint32_t> missing;
 };
@@ -72,6 +77,7 @@ struct ReductionReport {
 ///    with its law.
 /// 3. So does what a fallback region claims: the part of it that lies in no ordinary candidate of the leaf
 ///    within the handicap of fallback regions (FORMAT.md).
+/// 4. Where a leaf does not test all rows of a candidate, a look-up in binary64 answers only within 8 tolerances of each.
 ///
 /// So every answer of the reduced map is one that the original gives as well, within the tolerance that both
 /// maps carry, and where the original answers, so does the reduced map. What is proven of the original holds
@@ -81,8 +87,8 @@ ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& origi
                                 const ReductionOptions& options = {});
 
 /// Adds to the leaves of a reduced map the regions that its tree left out and that hold what was lost there:
-/// in slivers a tree may leave to a neighbour what none holds. False where there is nothing to add. The
-/// result is to be verified as the map was.
+/// in slivers a tree may leave to a neighbour what none holds. Adds rows to test that are not proven to hold. False where
+/// there is nothing to add. The result is to be verified as the map was.
 bool repairLeaves(MapContent& content, const ReductionReport& report);
 
 /// Writes the certificate beside `path`, syncs and renames it. Throws Error where there is none.

@@ -111,13 +111,21 @@ MergeMethod mergeMethod(const std::string& name) {
   throw Error("merge: must be none, greedy, optimal or auto, got '" + name + "'");
 }
 
+TreeMode reducedTree(const std::string& name) {
+  for (const TreeMode mode : {TreeMode::kAuto, TreeMode::kSmall}) {
+    if (name == toString(mode)) return mode;
+  }
+  throw Error("tree: must be auto or small, got '" + name + "'");
+}
+
 std::unique_ptr<LoadedMap> reduceMap(const LoadedMap& map, const std::string& merge, bool separate,
-                                     int threads, py::object progress) {
+                                     const std::string& tree, int threads, py::object progress) {
   const std::string name = map.map().path() + ", reduced";
   ProvenReduction proven = watched(std::move(progress), [&](Watch& watch) {
     ReduceOptions reduce;
     reduce.merge = mergeMethod(merge);
     reduce.separate = separate;
+    reduce.tree = reducedTree(tree);
     reduce.threads = threadCount(threads);
     reduce.stop = &watch.stop();
     reduce.progress = [&](auto done, auto total) {
@@ -229,10 +237,11 @@ void bindMaps(py::module_& module, py::class_<LoadedMap>& type) {
           "save", [](const LoadedMap& map, const Path& path) { map.save(path.string()); }, py::arg("path"),
           "Writes the map file: whole or not at all.")
       .def("reduce", &reduceMap, py::arg("merge") = "auto", py::arg("separate") = false, py::kw_only(),
-           py::arg("threads") = 0, py::arg("progress") = py::none(),
+           py::arg("tree") = "auto", py::arg("threads") = 0, py::arg("progress") = py::none(),
            "A smaller map, proven to give the same answers. merge: none, greedy, optimal or auto. separate: "
            "few "
-           "fallback regions replace saturated ones (one input).")
+           "fallback regions replace saturated ones (one input). tree: auto, or small: as far as it shortens "
+           "look-ups.")
       .def("verify", &verifyMap, py::kw_only(), py::arg("samples") = 10000, py::arg("seed") = 1,
            py::arg("tolerance") = 1e-7, py::arg("threads") = 0, py::arg("progress") = py::none(),
            "Compares the map with direct solutions of its problem at random parameters.")

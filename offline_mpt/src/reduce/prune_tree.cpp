@@ -2,17 +2,35 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
+
+#include "tree/member_solver.hpp"
 
 namespace polyfly {
 namespace {
 
 using Candidates = std::vector<std::uint32_t>;  // ascending
 
+struct PrunedLeaf {
+  Candidates candidates;
+  std::vector<std::uint32_t> tests;  // of each
+
+  bool operator<(const PrunedLeaf& other) const {
+    return candidates != other.candidates ? candidates < other.candidates : tests < other.tests;
+  }
+};
+
 class Pruner {
  public:
-  Pruner(CellGeometry& geometry, const PruneRegions& regions, double slack, const SearchTree& tree)
-      : geometry_(geometry), regions_(regions), slack_(slack), tree_(tree) {}
+  Pruner(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws, double slack,
+         double side_tolerance, const SearchTree& tree)
+      : geometry_(geometry),
+        regions_(regions),
+        laws_(laws),
+        slack_(slack),
+        solver_(regions, side_tolerance),
+        tree_(tree) {}
 
   SearchTree run() {
     result_.root = descend(tree_.root, 0);
@@ -21,6 +39,7 @@ class Pruner {
       writeLeaf(node.below);
       writeLeaf(node.above);
     }
+    if (tree_.tests.empty()) result_.tests.clear();
     return std::move(result_);
   }
 
@@ -33,10 +52,11 @@ class Pruner {
     const auto next = static_cast<std::uint32_t>(result_.leaves.size());
     const auto [found, is_new] = number_.emplace(child, next);
     if (is_new) {
-      const Candidates& candidates = leaves_[child & ~MapContent::kLeaf];
+      const PrunedLeaf& leaf = leafOf(child);
       result_.leaves.push_back({static_cast<std::uint32_t>(result_.candidates.size()),
-                                static_cast<std::uint32_t>(candidates.size())});
-      result_.candidates.insert(result_.candidates.end(), candidates.begin(), candidates.end());
+                                static_cast<std::uint32_t>(leaf.candidates.size())});
+      result_.candidates.insert(result_.candidates.end(), leaf.candidates.begin(), leaf.candidates.end());
+      result_.tests.insert(result_.tests.end(), leaf.tests.begin(), leaf.tests.end());
     }
     child = found->second | MapContent::kLeaf;
   }
@@ -56,13 +76,10 @@ class Pruner {
     const std::uint32_t above = descend(node.above, depth + 1);
     path_.pop_back();
     if (isLeaf(below) && isLeaf(above)) {
-      const Candidates& first = leaves_[below & ~MapContent::kLeaf];
-      const Candidates& second = leaves_[above & ~MapContent::kLeaf];
-      const bool first_holds = std::includes(first.begin(), first.end(), second.begin(), second.end());
-      if (first_holds || std::includes(second.begin(), second.end(), first.begin(), first.end())) {
+      if (std::optional<PrunedLeaf> joined = join(leafOf(below), leafOf(above))) {
         result_.nodes.pop_back();
         result_.depth = std::max(deepest, depth);
-        return first_holds ? below : above;
+        return addLeaf(std::move(*joined));
       }
     }
     result_.depth = std::max(deepest, result_.depth);
@@ -71,9 +88,52 @@ class Pruner {
     return static_cast<std::uint32_t>(index);
   }
 
-  Candidates prune(const MapContent::Leaf& leaf) {
-    const auto first = tree_.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first);
-    Candidates candidates(first, first + static_cast<std::ptrdiff_t>(leaf.count));
+  const PrunedLeaf& leafOf(std::uint32_t child) const { return leaves_[child & ~MapContent::kLeaf]; }
+
+  /// The leaf in place of a node, if one leaf has all candidates of the other and no look-up gets longer.
+  std::optional<PrunedLeaf> join(const PrunedLeaf& below, const PrunedLeaf& above) {
+    const Candidates &first = below.candidates, &second = above.candidates;
+    PrunedLeaf joined;
+    if (std::includes(first.begin(), first.end(), second.begin(), second.end()))
+      joined.candidates = first;
+    else if (std::includes(second.begin(), second.end(), first.begin(), first.end()))
+      joined.candidates = second;
+    else
+      return std::nullopt;
+    for (const std::uint32_t region : joined.candidates)
+      joined.tests.push_back(testsAllRows(region) ? allRows(region) : solver_.testsAt(region, path_));
+    if (cost(joined) > std::max(cost(below), cost(above)) + 1) return std::nullopt;
+    return joined;
+  }
+
+  std::size_t cost(const PrunedLeaf& leaf) const {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < leaf.tests.size(); ++i)
+      sum += testedRows(leaf.tests[i], rowCount(leaf.candidates[i]));
+    return sum;
+  }
+
+  std::uint32_t rowCount(std::uint32_t region) const {
+    return static_cast<std::uint32_t>(regions_.rows[region].size());
+  }
+
+  bool testsAllRows(std::uint32_t region) const {
+    return tree_.tests.empty() || region >= laws_.first_fallback;
+  }
+
+  std::uint32_t allRows(std::uint32_t region) const {
+    const std::uint32_t rows = rowCount(region);
+    return rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
+  }
+
+  PrunedLeaf prune(const MapContent::Leaf& leaf) {
+    std::map<std::uint32_t, std::uint32_t> tests;  // by candidate
+    Candidates candidates;
+    for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
+      candidates.push_back(tree_.candidates[k]);
+      tests[candidates.back()] =
+          testsAllRows(candidates.back()) ? allRows(candidates.back()) : tree_.tests[k];
+    }
     std::sort(candidates.begin(), candidates.end());
     for (std::size_t i = candidates.size(); i-- > 0 && candidates.size() > 1;) {
       std::vector<const RowList*> cover;
@@ -83,13 +143,16 @@ class Pruner {
       if (!cover.empty() && isCovered(candidates[i], cover))
         candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(i));
     }
-    return candidates;
+    PrunedLeaf result;
+    for (const std::uint32_t region : candidates) result.tests.push_back(tests[region]);
+    result.candidates = std::move(candidates);
+    return result;
   }
 
   bool standsFor(std::uint32_t other, std::uint32_t region) const {
-    const bool is_fallback = region >= regions_.first_fallback;
-    if (is_fallback && other < regions_.first_fallback) return true;
-    return regions_.laws[other] == regions_.laws[region] && is_fallback == (other >= regions_.first_fallback);
+    const bool is_fallback = region >= laws_.first_fallback;
+    if (is_fallback && other < laws_.first_fallback) return true;
+    return laws_.laws[other] == laws_.laws[region] && is_fallback == (other >= laws_.first_fallback);
   }
 
   bool isCovered(std::uint32_t region, const std::vector<const RowList*>& cover) {
@@ -100,29 +163,31 @@ class Pruner {
     return part.radius > 0.0 && geometry_.covered(part, cover, slack_);
   }
 
-  std::uint32_t addLeaf(Candidates candidates) {
-    const auto [found, is_new] = known_.emplace(candidates, static_cast<std::uint32_t>(leaves_.size()));
-    if (is_new) leaves_.push_back(std::move(candidates));
+  std::uint32_t addLeaf(PrunedLeaf leaf) {
+    const auto [found, is_new] = known_.emplace(leaf, static_cast<std::uint32_t>(leaves_.size()));
+    if (is_new) leaves_.push_back(std::move(leaf));
     return found->second | MapContent::kLeaf;
   }
 
   CellGeometry& geometry_;
-  const PruneRegions& regions_;
+  const TreeRegions& regions_;
+  const PruneRegions& laws_;
   double slack_;
+  MemberSolver solver_;
   const SearchTree& tree_;
   SearchTree result_;
   RowList path_;
-  std::vector<Candidates> leaves_;
-  std::map<Candidates, std::uint32_t> known_;
+  std::vector<PrunedLeaf> leaves_;
+  std::map<PrunedLeaf, std::uint32_t> known_;
   // New number of each leaf that is used.
   std::map<std::uint32_t, std::uint32_t> number_;
 };
 
 }  // namespace
 
-SearchTree pruneTree(CellGeometry& geometry, const PruneRegions& regions, double slack,
-                     const SearchTree& tree) {
-  return Pruner(geometry, regions, slack, tree).run();
+SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws,
+                     double slack, double side_tolerance, const SearchTree& tree) {
+  return Pruner(geometry, regions, laws, slack, side_tolerance, tree).run();
 }
 
 }  // namespace polyfly

@@ -51,8 +51,7 @@ class Reducer {
     if (options_.separate) chooseFallbacks();
     collect();
     ReduceResult result;
-    result.content =
-        encodeReduced(map_, planes_, {entries_, first_fallback_, slack_, options_.side_tolerance});
+    result.content = encodeReduced(map_, planes_, {entries_, first_fallback_, slack_}, options_);
     result.content.solver_notes = notes() + result.content.solver_notes;
     result.stats = stats_;
     return result;

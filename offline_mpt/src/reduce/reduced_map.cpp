@@ -9,17 +9,23 @@
 #include "reduce/prune_tree.hpp"
 #include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
+#include "tree/row_order.hpp"
 
 namespace polyfly {
 namespace {
 
-// A reduced map is to be small.
+// Of kAuto.
 constexpr std::size_t kNodesPerRegion = 2;
 
 class Encoder {
  public:
-  Encoder(const RegionMap& map, const ScaledPlanes& planes, ReducedRegions reduced)
-      : map_(map), planes_(planes), reduced_(std::move(reduced)), entries_(reduced_.regions) {}
+  Encoder(const RegionMap& map, const ScaledPlanes& planes, ReducedRegions reduced,
+          const ReduceOptions& options)
+      : map_(map),
+        planes_(planes),
+        reduced_(std::move(reduced)),
+        options_(options),
+        entries_(reduced_.regions) {}
 
   MapContent run() {
     MapContent content;
@@ -44,10 +50,14 @@ class Encoder {
  private:
   void addTree(MapContent& content, const TreeRegions& tree) const {
     TreeOptions options;
-    options.side_tolerance = reduced_.side_tolerance;
-    options.all_rows = true;  // the proof of a reduction knows no others
-    options.node_limit = kNodesPerRegion * tree.rows.size();
-    PruneRegions regions{tree.rows, {}, content.regions.size()};
+    options.mode = options_.tree;
+    options.threads = options_.threads;
+    options.side_tolerance = options_.side_tolerance;
+    if (options.mode != TreeMode::kSmall) {
+      options.all_rows = true;
+      options.node_limit = kNodesPerRegion * tree.rows.size();
+    }
+    PruneRegions regions{{}, content.regions.size()};
     for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
     if (reduced_.first_fallback != 0) {
       options.side_tolerance *= tolerance::kSharpSide;
@@ -55,12 +65,15 @@ class Encoder {
     }
     const ScaledPlanes planes{tree.p, tree.planes};
     CellGeometry geometry(planes);
-    SearchTree found = pruneTree(geometry, regions, reduced_.slack, buildTree(tree, options));
+    SearchTree found =
+        pruneTree(geometry, tree, regions, reduced_.slack, options.side_tolerance, buildTree(tree, options));
     content.solver_notes = "tree_depth: " + std::to_string(found.depth) + "\n";
     content.root = found.root;
     content.nodes = std::move(found.nodes);
     content.leaves = std::move(found.leaves);
     content.candidates = std::move(found.candidates);
+    content.tests = std::move(found.tests);
+    orderRows(content);
   }
 
   /// Only planes that are still used; rows are renumbered.
@@ -127,13 +140,15 @@ class Encoder {
   const RegionMap& map_;
   const ScaledPlanes& planes_;
   ReducedRegions reduced_;
+  const ReduceOptions& options_;
   std::vector<ReducedRegion>& entries_;
 };
 
 }  // namespace
 
-MapContent encodeReduced(const RegionMap& original, const ScaledPlanes& planes, ReducedRegions reduced) {
-  return Encoder(original, planes, std::move(reduced)).run();
+MapContent encodeReduced(const RegionMap& original, const ScaledPlanes& planes, ReducedRegions reduced,
+                         const ReduceOptions& options) {
+  return Encoder(original, planes, std::move(reduced), options).run();
 }
 
 }  // namespace polyfly

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "offline_mpt/reduce.hpp"
 #include "reduce/cell_geometry.hpp"
 #include "region_maps/map_content.hpp"
 
@@ -23,10 +24,11 @@ struct ReducedRegions {
   std::vector<ReducedRegion> regions;
   std::size_t first_fallback = 0;  ///< 0: none
   double slack = 0.0;              ///< how far outside a half-space still counts as inside [scaled]
-  double side_tolerance = 0.0;     ///< ReduceOptions::side_tolerance
 };
 
-/// The map of these regions, with a search tree. `planes` are the original's, then those that were added.
-MapContent encodeReduced(const RegionMap& original, const ScaledPlanes& planes, ReducedRegions reduced);
+/// The map of these regions, with a search tree. `planes` are the original's, then those that were added. Of `options`
+/// count those of the tree.
+MapContent encodeReduced(const RegionMap& original, const ScaledPlanes& planes, ReducedRegions reduced,
+                         const ReduceOptions& options);
 
 }  // namespace polyfly

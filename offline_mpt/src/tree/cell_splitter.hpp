@@ -41,6 +41,9 @@ class CellSplitter {
   /// Completes the rows to test of a leaf's members, see MemberSolver::addRowsForTolerance.
   void finishLeaf(Cell& cell, std::size_t thread);
 
+  /// The rows to test of a member, as MapContent::tests.
+  std::uint32_t testsOf(const CellMember& member) const { return solvers_.front().testsOf(member); }
+
   /// Simplex pivots of all threads, or of one.
   std::uint64_t pivots() const;
   std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].pivots(); }

@@ -1,7 +1,6 @@
 #include "offline_mpt/encode.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -10,6 +9,7 @@
 #include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
 #include "support/vector_text.hpp"
+#include "tree/row_order.hpp"
 #include "tree/tolerances.hpp"
 
 namespace polyfly {
@@ -213,38 +213,6 @@ void addLaws(const Partition& partition, const Scaling& scaling, MapContent& con
     content.laws.insert(content.laws.end(), first, first + static_cast<std::ptrdiff_t>(width));
   }
   for (std::size_t r = 0; r < content.regions.size(); ++r) content.regions[r].law = sharing.index()[r];
-}
-
-/// Rows that many leaves test come first in their region: a look-up then reads fewer of them. Row 31 and those after it,
-/// which share one bit of MapContent::tests, stay where they are.
-void orderRows(MapContent& content) {
-  constexpr std::uint32_t kMoved = 31;
-  if (content.tests.empty()) return;
-  std::vector<std::array<std::uint32_t, kMoved>> count(content.regions.size());
-  for (std::size_t i = 0; i < content.tests.size(); ++i) {
-    for (std::uint32_t row = 0; row < kMoved; ++row)
-      count[content.candidates[i]][row] += content.tests[i] >> row & 1u;
-  }
-  std::vector<std::array<std::uint32_t, kMoved>> place(content.regions.size());  // of each row
-  for (std::size_t r = 0; r < content.regions.size(); ++r) {
-    const MapContent::Region& region = content.regions[r];
-    std::vector<std::uint32_t> order(std::min(region.row_count, kMoved));
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return count[r][a] > count[r][b]; });
-    const auto rows = content.rows.begin() + static_cast<std::ptrdiff_t>(region.first_row);
-    const std::vector<std::int32_t> before(rows, rows + static_cast<std::ptrdiff_t>(order.size()));
-    for (std::uint32_t k = 0; k < order.size(); ++k) {
-      rows[k] = before[order[k]];
-      place[r][order[k]] = k;
-    }
-  }
-  for (std::size_t i = 0; i < content.tests.size(); ++i) {
-    std::uint32_t moved = content.tests[i] & ~((1u << kMoved) - 1);
-    for (std::uint32_t row = 0; row < kMoved; ++row)
-      moved |= (content.tests[i] >> row & 1u) << place[content.candidates[i]][row];
-    content.tests[i] = moved;
-  }
 }
 
 std::string notes(const Partition& partition, const SearchTree& tree, TreeMode mode) {

@@ -198,6 +198,38 @@ void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& 
   member.rows = std::move(tested);
 }
 
+std::uint32_t MemberSolver::testsOf(const CellMember& member) const {
+  constexpr std::size_t kLastBit = 31;
+  const std::vector<std::int32_t>& all = regions_.rows[member.region];
+  std::uint32_t tests = 0;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < all.size() && next < member.rows.size(); ++i) {
+    if (all[i] != member.rows[next]) continue;
+    tests |= std::uint32_t{1} << std::min(i, kLastBit);
+    ++next;
+  }
+  return tests;
+}
+
+std::uint32_t MemberSolver::testsAt(std::uint32_t region, const std::vector<std::int32_t>& path) {
+  CellMember member = whole(region);
+  for (const std::int32_t row : path) {
+    const std::size_t plane = planeOf(row);
+    const unsigned side = row > 0 ? kBelow : kAbove;
+    const unsigned reached = sides(member, plane);
+    if ((reached & side) == 0) {
+      member.rows = regions_.rows[region];
+      return testsOf(member);
+    }
+    if (reached == side)
+      enter(member, plane, side);
+    else
+      member = half(member, plane, side);
+  }
+  addRowsForTolerance(member, path);
+  return testsOf(member);
+}
+
 // Finds the member's point that is furthest out on a side of the plane (-1: below, 1: above), and keeps it.
 bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
   const std::size_t p = parameters();

@@ -43,6 +43,13 @@ class MemberSolver {
   /// look-up, while it violates the others by at most one. `path` has the planes on the way to the leaf.
   void addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path);
 
+  /// The member's rows, which are some of its region's in their order, as MapContent::tests.
+  std::uint32_t testsOf(const CellMember& member) const;
+
+  /// The rows to test of a region where `path` leads to a leaf: half, enter and addRowsForTolerance in one. All of them
+  /// where the region does not reach there.
+  std::uint32_t testsAt(std::uint32_t region, const std::vector<std::int32_t>& path);
+
   /// Simplex pivots since construction.
   std::uint64_t pivots() const { return solver_.pivots(); }
 

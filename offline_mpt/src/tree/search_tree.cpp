@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <queue>
+#include <unordered_map>
 #include <utility>
 
 #include "support/in_parallel.hpp"
@@ -27,6 +28,8 @@ constexpr std::size_t kLargeBatch = 4;
 
 // TreeOptions::planes_tried of the second tree of kSmall: estimates may rank the best plane as low as this.
 constexpr std::uint64_t kSmallPlanesTried = 20;
+
+constexpr std::size_t kHashFactor = 0x9e3779b97f4a7c15u;
 
 // Of an allocation, besides its content.
 constexpr std::uint64_t kAllocation = 16;
@@ -66,6 +69,7 @@ class TreeGrower {
     finishLeaves(0);
     SearchTree tree;
     tree.root = layOut(0, tree);
+    if (options_.all_rows) tree.tests.clear();
     tree.end = end;
     tree.pivots = now_.pivots;
     return tree;
@@ -312,7 +316,7 @@ class TreeGrower {
     LeafList list;
     for (const CellMember& member : cell.members) {
       list.candidates.push_back(member.region);
-      if (!options_.all_rows) list.tests.push_back(testsOf(member));
+      list.tests.push_back(options_.all_rows ? MapContent::kAllRows : splitter_.testsOf(member));
     }
     return list;
   }
@@ -340,37 +344,38 @@ class TreeGrower {
     return index;
   }
 
-  std::uint32_t addLeaf(const GrowingCell& leaf, SearchTree& tree) const {
-    const auto index = static_cast<std::uint32_t>(tree.leaves.size());
+  std::uint32_t addLeaf(const GrowingCell& leaf, SearchTree& tree) {
     tree.depth = std::max(tree.depth, leaf.depth);
-    tree.leaves.push_back({static_cast<std::uint32_t>(tree.candidates.size()), leaf.members});
-    const auto append = [&leaf](const std::vector<std::uint32_t>& kept, std::vector<std::uint32_t>& to) {
-      const auto first = kept.begin() + static_cast<std::ptrdiff_t>(leaf.first_kept);
-      to.insert(to.end(), first, first + leaf.members);
-    };
-    append(candidates_, tree.candidates);
-    if (!options_.all_rows) append(tests_, tree.tests);
     std::uint64_t cost = leaf.depth;
     for (std::size_t k = leaf.first_kept; k < leaf.first_kept + leaf.members; ++k) {
-      const auto rows = static_cast<std::uint32_t>(regions_.rows[candidates_[k]].size());
-      cost += options_.all_rows ? rows : testedRows(tests_[k], rows);
+      cost += testedRows(tests_[k], static_cast<std::uint32_t>(regions_.rows[candidates_[k]].size()));
     }
     tree.worst = std::max(tree.worst, cost);
-    return index | MapContent::kLeaf;
+    return writeLeaf(leaf, tree) | MapContent::kLeaf;
   }
 
-  /// The member's rows, which are some of its region's in their order, as bits.
-  std::uint32_t testsOf(const CellMember& member) const {
-    constexpr std::size_t kLastBit = 31;
-    const std::vector<std::int32_t>& all = regions_.rows[member.region];
-    std::uint32_t tests = 0;
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < all.size() && next < member.rows.size(); ++i) {
-      if (all[i] != member.rows[next]) continue;
-      tests |= std::uint32_t{1} << std::min(i, kLastBit);
-      ++next;
+  /// Equal leaves are written once.
+  std::uint32_t writeLeaf(const GrowingCell& leaf, SearchTree& tree) {
+    const auto first = static_cast<std::ptrdiff_t>(leaf.first_kept);
+    const auto candidates = candidates_.begin() + first, tests = tests_.begin() + first;
+    std::size_t hash = leaf.members;
+    for (std::uint32_t k = 0; k < leaf.members; ++k)
+      hash = (hash * kHashFactor + candidates[k]) * kHashFactor + tests[k];
+    const auto [begin, end] = written_.equal_range(hash);
+    for (auto one = begin; one != end; ++one) {
+      const MapContent::Leaf& other = tree.leaves[one->second];
+      const auto place = static_cast<std::ptrdiff_t>(other.first);
+      if (other.count == leaf.members &&
+          std::equal(candidates, candidates + leaf.members, tree.candidates.begin() + place) &&
+          std::equal(tests, tests + leaf.members, tree.tests.begin() + place))
+        return one->second;
     }
-    return tests;
+    const auto index = static_cast<std::uint32_t>(tree.leaves.size());
+    tree.leaves.push_back({static_cast<std::uint32_t>(tree.candidates.size()), leaf.members});
+    tree.candidates.insert(tree.candidates.end(), candidates, candidates + leaf.members);
+    tree.tests.insert(tree.tests.end(), tests, tests + leaf.members);
+    written_.emplace(hash, index);
+    return index;
   }
 
   const TreeRegions& regions_;
@@ -382,6 +387,8 @@ class TreeGrower {
   bool stop_ = false;
   std::vector<GrowingCell> cells_;
   std::vector<std::uint32_t> candidates_, tests_;
+  // Leaves that are laid out, by a hash of what they hold.
+  std::unordered_multimap<std::size_t, std::uint32_t> written_;
   std::vector<std::uint32_t> nodes_;  // planes; the children of node i are cells 2 i + 1 and 2 i + 2
   std::priority_queue<Open> open_;
 };

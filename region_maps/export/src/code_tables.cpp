@@ -121,6 +121,24 @@ void addTree(const RegionMap& map, const std::vector<ChosenCandidate>& chosen, C
   tables.candidate_first.push_back(static_cast<std::uint32_t>(tables.rows.size()));
 }
 
+/// Leaves out the planes that no node and no row refers to.
+void dropUnusedPlanes(std::size_t width, CodeTables& tables) {
+  std::vector<std::uint32_t> number(tables.planes.size() / width, 0);
+  for (const std::uint32_t plane : tables.node_plane) number[plane] = 1;
+  for (const std::uint32_t row : tables.rows) number[row / 2] = 1;
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] == 0) continue;
+    std::copy_n(tables.planes.begin() + static_cast<std::ptrdiff_t>(i * width), width,
+                tables.planes.begin() + static_cast<std::ptrdiff_t>(kept * width));
+    number[i] = kept++;
+  }
+  // C has no empty arrays.
+  tables.planes.resize(std::min(tables.planes.size(), std::max(kept, 1u) * width));
+  for (std::uint32_t& plane : tables.node_plane) plane = number[plane];
+  for (std::uint32_t& row : tables.rows) row = 2 * number[row / 2] + row % 2;
+}
+
 void fillReals(const RegionMap& map, const ExportOptions& options, CodeTables& tables) {
   const ExportType type = options.type;
   const std::size_t p = map.parameters().size();
@@ -158,6 +176,7 @@ CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
   }
   addTree(map, options.chosen, tables);
   for (std::size_t i = 0; i < map.regionCount(); ++i) tables.region_law.push_back(map.region(i).law);
+  dropUnusedPlanes(map.parameters().size() + 1, tables);
   return tables;
 }
 

@@ -10,8 +10,6 @@ namespace polyfly {
 namespace {
 
 constexpr std::size_t kMostLeafCells = 20000;  // of one leaf
-// A look-up's bounds of the box are off by at most 2^-kBoundBits of their size.
-constexpr unsigned long kBoundBits = 50;
 
 struct LeafResult {
   std::string text;
@@ -33,6 +31,13 @@ class LeafProver {
 
   LeafResult prove() {
     LeafResult result;
+    if (context_.tree.namesTwice(visit_)) {
+      Defect defect;
+      defect.kind = Defect::Kind::kLookup;
+      defect.text = name_ + ": names a region twice";
+      result.defects.push_back(std::move(defect));
+      return result;
+    }
     if (!LeafWalk(context_, visit_).prove(result.text)) cover(result);
     return result;
   }
@@ -112,15 +117,7 @@ void checkHeader(const CheckContext& context, const WholePlanes& planes, std::ve
   require(map.firstFallback() == map.regionCount(), "the map has fallback regions, but was not reduced");
   require(2 * context.options.plane_tolerance <= map.tolerance(),
           "the map's tolerance is less than twice that of its planes");
-  require(4 * planes.rounding() <= planes.tolerance(),
-          "distances from planes are not computed precisely enough: the rounding of a look-up may exceed a "
-          "quarter of the map's tolerance");
-  const Rational wide = Rational(1) / (Integer(1) << WholePlanes::kWideBits) - Rational(map.tolerance());
-  for (std::size_t j = 0; j < context.program.half.size(); ++j) {
-    const Rational size = abs(context.program.centre[j]) + context.program.half[j];
-    require(size / (Integer(1) << kBoundBits) <= wide * context.program.half[j],
-            "the range of " + map.parameters()[j].name + " is too narrow for the size of its numbers");
-  }
+  require(planes.tooRough().empty(), planes.tooRough());
 }
 
 }  // namespace

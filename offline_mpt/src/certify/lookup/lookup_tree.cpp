@@ -23,7 +23,7 @@ void unite(std::vector<TreeMember>& members) {
 
 }  // namespace
 
-LookupTree::LookupTree(const RegionMap& map) {
+LookupTree::LookupTree(const RegionMap& map) : map_(map) {
   visits_.reserve(map.nodeCount() + map.leafCount());
   std::vector<Visit> open{{map.root(), 0, 0, 0, {}}};
   while (!open.empty()) {
@@ -40,17 +40,21 @@ LookupTree::LookupTree(const RegionMap& map) {
   }
   for (std::size_t i = visits_.size(); i-- > 0;) {
     Visit& visit = visits_[i];
-    if (isLeaf(i)) addLeafMembers(map, visit);
+    if (isLeaf(i)) addLeafMembers(visit);
     unite(visit.members);
     std::vector<TreeMember>& above = visits_[visit.parent].members;
     if (i > 0) above.insert(above.end(), visit.members.begin(), visit.members.end());
   }
 }
 
-void LookupTree::addLeafMembers(const RegionMap& map, Visit& visit) const {
-  const LeafView leaf = map.leaf(visit.child & ~MapContent::kLeaf);
+void LookupTree::addLeafMembers(Visit& visit) const {
+  const LeafView leaf = map_.leaf(visit.child & ~MapContent::kLeaf);
   for (std::uint32_t k = 0; k < leaf.count; ++k)
     visit.members.push_back({leaf.candidates[k], leaf.testsOf(k)});
+}
+
+bool LookupTree::namesTwice(std::size_t visit) const {
+  return members(visit).size() < map_.leaf(leaf(visit)).count;
 }
 
 std::vector<std::int32_t> LookupTree::path(std::size_t visit) const {

@@ -8,14 +8,29 @@
 namespace polyfly {
 namespace {
 
-constexpr int kPrecisionBits = 53;    // rounding of one operation in binary64, relative
-constexpr int kUnderflowBits = 1000;  // more than what operations lose below the least double
-constexpr long kLeastBits = 120;      // the unit is 2^-120 or less, so that tolerances keep their digits
+constexpr int kPrecisionBits = 53;        // rounding of one operation in binary64, relative
+constexpr int kUnderflowBits = 1000;      // more than what operations lose below the least double
+constexpr unsigned long kBoundBits = 50;  // a look-up's bounds of the box are off by 2^-50 of their size
+constexpr long kLeastBits = 120;          // the unit is 2^-120 or less, so that tolerances keep their digits
 
 Rational powerOfTwo(long exponent) {
   Rational result(1);
   if (exponent >= 0) mpq_mul_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(exponent));
   if (exponent < 0) mpq_div_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(-exponent));
+  return result;
+}
+
+std::vector<Rational> middles(const RegionMap& map) {
+  std::vector<Rational> result;
+  for (const Signal& signal : map.parameters())
+    result.push_back((Rational(signal.lower) + Rational(signal.upper)) / 2);
+  return result;
+}
+
+std::vector<Rational> halves(const RegionMap& map) {
+  std::vector<Rational> result;
+  for (const Signal& signal : map.parameters())
+    result.push_back((Rational(signal.upper) - Rational(signal.lower)) / 2);
   return result;
 }
 
@@ -28,7 +43,13 @@ Integer roundedUp(const Rational& value) {
 }  // namespace
 
 WholePlanes::WholePlanes(const RegionMap& map, const ExactProgram& program)
-    : p_(program.p), exponent_(kLeastBits) {
+    : WholePlanes(map, program.centre, program.half) {}
+
+WholePlanes::WholePlanes(const RegionMap& map) : WholePlanes(map, middles(map), halves(map)) {}
+
+WholePlanes::WholePlanes(const RegionMap& map, const std::vector<Rational>& centre,
+                         const std::vector<Rational>& half)
+    : p_(static_cast<int>(half.size())), exponent_(kLeastBits) {
   std::vector<Rational> values;
   values.reserve(map.planeCount() * static_cast<std::size_t>(p_ + 1));
   Rational greatest;
@@ -38,9 +59,9 @@ WholePlanes::WholePlanes(const RegionMap& map, const ExactProgram& program)
     Rational constant(plane[p_]), size = abs(constant);
     for (int j = 0; j < p_; ++j) {
       const Rational entry(plane[j]);
-      values.push_back(-entry * program.half[j]);
-      constant -= entry * program.centre[j];
-      size += abs(entry) * (abs(program.centre[j]) + program.half[j] * (1 + powerOfTwo(-int{kWideBits})));
+      values.push_back(-entry * half[j]);
+      constant -= entry * centre[j];
+      size += abs(entry) * (abs(centre[j]) + half[j] * (1 + powerOfTwo(-int{kWideBits})));
     }
     values.push_back(constant);
     greatest = std::max(greatest, size);
@@ -52,6 +73,15 @@ WholePlanes::WholePlanes(const RegionMap& map, const ExactProgram& program)
   const Rational rounding = (p_ + 3) * greatest * powerOfTwo(-kPrecisionBits) + powerOfTwo(-kUnderflowBits);
   rounding_ = roundedUp(rounding * powerOfTwo(kLeastBits))
               << static_cast<unsigned long>(exponent_ - kLeastBits);
+  if (4 * rounding_ > tolerance_)
+    too_rough_ =
+        "distances from planes are not computed precisely enough: the rounding of a look-up may exceed a "
+        "quarter of the map's tolerance";
+  const Rational wide = powerOfTwo(-int{kWideBits}) - Rational(map.tolerance());
+  for (std::size_t j = 0; j < half.size() && too_rough_.empty(); ++j) {
+    if ((abs(centre[j]) + half[j]) / (Integer(1) << kBoundBits) > wide * half[j])
+      too_rough_ = "the range of " + map.parameters()[j].name + " is too narrow for the size of its numbers";
+  }
 }
 
 WholeRow WholePlanes::row(std::int32_t signed_row) const {

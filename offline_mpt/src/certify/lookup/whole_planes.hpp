@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "certify/farkas_proof.hpp"
@@ -18,6 +19,11 @@ using WholeRow = std::vector<Integer>;
 class WholePlanes {
  public:
   WholePlanes(const RegionMap& map, const ExactProgram& program);
+  /// With the ranges of the map's parameters.
+  explicit WholePlanes(const RegionMap& map);
+
+  /// Why look-ups compute too roughly for a proof; empty where they do not.
+  const std::string& tooRough() const { return too_rough_; }
 
   /// A signed row as in MapContent::rows: row (t, 1) >= 0 on its inner side.
   WholeRow row(std::int32_t signed_row) const;
@@ -39,10 +45,13 @@ class WholePlanes {
   static constexpr unsigned kWideBits = 26;
 
  private:
+  WholePlanes(const RegionMap& map, const std::vector<Rational>& centre, const std::vector<Rational>& half);
+
   int p_;
   long exponent_;
   std::vector<Integer> planes_;
   Integer tolerance_, rounding_;
+  std::string too_rough_;
 };
 
 }  // namespace polyfly

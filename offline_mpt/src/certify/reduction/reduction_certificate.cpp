@@ -7,10 +7,11 @@
 namespace polyfly {
 
 std::string reductionCertificate(const RegionMap& reduced, const RegionMap& original,
-                                 const ReductionReport& report, const std::vector<std::string>& proofs) {
+                                 const ReductionReport& report, const std::string& drops,
+                                 const std::vector<std::string>& proofs) {
   std::string text = "polyfly reduction certificate 1\n";
   text += mapLine("reduced", reduced) + mapLine("original", original);
-  text += "tolerances " + hex(report.law_tolerance) + " " + hex(report.slack) + "\n";
+  text += "tolerances " + hex(report.law_tolerance) + " " + hex(report.slack) + "\n" + drops;
   for (std::size_t i = 0; i < proofs.size(); ++i) {
     const bool is_original = i < original.regionCount();
     const std::size_t region = is_original ? i : i - original.regionCount();

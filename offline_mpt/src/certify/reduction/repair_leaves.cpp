@@ -1,7 +1,6 @@
+#include <algorithm>
 #include <cstddef>
 #include <map>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "offline_mpt/verify_reduction.hpp"
@@ -9,38 +8,59 @@
 namespace polyfly {
 namespace {
 
-/// Candidates in the order of the leaves, without those that no leaf has any more.
-void packLeaves(MapContent& content) {
-  std::vector<std::uint32_t> packed;
-  for (MapContent::Leaf& leaf : content.leaves) {
-    const auto first = content.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first);
-    leaf.first = static_cast<std::uint32_t>(packed.size());
-    packed.insert(packed.end(), first, first + static_cast<std::ptrdiff_t>(leaf.count));
+/// Candidates of a leaf, and the rows that are tested of each.
+using LeafTests = std::map<std::uint32_t, std::uint32_t>;
+
+std::vector<LeafTests> readLeaves(const MapContent& content) {
+  std::vector<LeafTests> leaves;
+  for (const MapContent::Leaf& leaf : content.leaves) {
+    leaves.emplace_back();
+    for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k)
+      leaves.back()[content.candidates[k]] = content.tests.empty() ? MapContent::kAllRows : content.tests[k];
   }
-  content.candidates = std::move(packed);
+  return leaves;
+}
+
+void writeLeaves(const std::vector<LeafTests>& leaves, MapContent& content) {
+  const bool has_tests = !content.tests.empty();
+  content.candidates.clear();
+  content.tests.clear();
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    content.leaves[i] = {static_cast<std::uint32_t>(content.candidates.size()),
+                         static_cast<std::uint32_t>(leaves[i].size())};
+    for (const auto& [region, tests] : leaves[i]) {
+      content.candidates.push_back(region);
+      if (has_tests) content.tests.push_back(tests);
+    }
+  }
+}
+
+std::uint32_t allRows(const MapContent& content, std::uint32_t region) {
+  const std::uint32_t rows = content.regions[region].row_count;
+  return rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
+}
+
+bool repair(const ReductionDefect& defect, const MapContent& content, LeafTests& leaf) {
+  const LeafTests before = leaf;
+  for (const std::uint32_t region : defect.missing) leaf.emplace(region, allRows(content, region));
+  if (defect.row >= 0) leaf[defect.region] |= 1u << std::min(defect.row, 31);
+  return leaf != before;
 }
 
 }  // namespace
 
 bool repairLeaves(MapContent& content, const ReductionReport& report) {
-  std::map<std::size_t, std::set<std::uint32_t>> leaves;
-  for (const ReductionDefect& defect : report.defects) {
-    if (defect.leaf >= 0)
-      leaves[static_cast<std::size_t>(defect.leaf)].insert(defect.missing.begin(), defect.missing.end());
-  }
+  std::vector<LeafTests> leaves = readLeaves(content);
   bool repaired = false;
-  for (auto& [index, candidates] : leaves) {
-    MapContent::Leaf& leaf = content.leaves[index];
-    const auto first = content.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first);
-    const std::set<std::uint32_t> before(first, first + static_cast<std::ptrdiff_t>(leaf.count));
-    candidates.insert(before.begin(), before.end());
-    if (candidates.size() == before.size()) continue;
-    leaf = {static_cast<std::uint32_t>(content.candidates.size()),
-            static_cast<std::uint32_t>(candidates.size())};
-    content.candidates.insert(content.candidates.end(), candidates.begin(), candidates.end());
-    repaired = true;
+  for (const ReductionDefect& defect : report.defects) {
+    if (defect.leaf >= 0) {
+      repaired |= repair(defect, content, leaves[static_cast<std::size_t>(defect.leaf)]);
+    } else if (defect.kind == ReductionDefect::Kind::kAnswer && !content.tests.empty()) {
+      content.tests.clear();
+      repaired = true;
+    }
   }
-  if (repaired) packLeaves(content);
+  if (repaired) writeLeaves(leaves, content);
   return repaired;
 }
 

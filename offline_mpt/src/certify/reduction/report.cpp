@@ -26,8 +26,9 @@ std::string reductionText(const ReductionReport& report) {
   if (report.flat_regions > 0) out << "without interior   " << report.flat_regions << " regions\n";
   for (std::size_t i = 0; i < report.defects.size() && i < kShown; ++i) {
     const ReductionDefect& defect = report.defects[i];
-    out << toString(defect.kind) << ": " << defect.text << ", at theta = " << vectorText(defect.witness)
-        << "\n";
+    out << toString(defect.kind) << ": " << defect.text;
+    if (defect.witness.size() > 0) out << ", at theta = " << vectorText(defect.witness);
+    out << "\n";
   }
   if (report.defects.size() > kShown) out << "and " << report.defects.size() - kShown << " more\n";
   out << verdict(report) << "\n";
