@@ -360,7 +360,9 @@ TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
   for (const char* const ids : {"-1", "4", "0.5", "1e30"}) {
     std::string other = kJsonProblem;
     other.replace(other.find("\"eq_ids\": []"), 12, std::string("\"eq_ids\": [") + ids + "]");
-    EXPECT_NE(refusalOfText(program, content, other).find("eq_ids names no rows"), std::string::npos) << ids;
+    EXPECT_NE(refusalOfText(program, content, other).find("eq_ids names what is not there"),
+              std::string::npos)
+        << ids;
   }
 }
 

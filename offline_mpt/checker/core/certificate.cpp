@@ -144,7 +144,8 @@ void Certificate::checkSizes() {
         lower == Fraction(map_.bounds[2 * j]) && upper == Fraction(map_.bounds[2 * j + 1]) && lower < upper,
         "the box is not the map's");
   }
-  require(equalities_.empty() || *equalities_.rbegin() < m_, "no such row");
+  for (const std::size_t row : equalities_) require(row < m_, "equalities names no row");
+  for (const std::size_t row : basis_) require(row < m_, "basis names no row");
   requireCount(claims_.size());
 }
 

@@ -100,6 +100,7 @@ class Certificate {
   // 1, optimality: optimality.cpp.
   virtual void checkProgram() const;
   void checkConvexity() const;
+  void checkUniqueness() const;
   virtual std::set<std::size_t> activeSet(std::size_t index) const;
   void addActive(std::int64_t row, std::set<std::size_t>& active) const;
   virtual Optimum optimum(const std::vector<std::size_t>& rows) const;

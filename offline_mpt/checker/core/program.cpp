@@ -33,15 +33,19 @@ void requireSizes(const Matrices& data, std::size_t n, std::size_t m, std::size_
 std::vector<double> jsonNumbers(const std::string& text, const std::string& key) {
   std::vector<double> numbers;
   int depth = 0;
-  bool wanted = false;
+  bool wanted = false, found = false;
   for (std::size_t at = 0; at < text.size(); ++at) {
     const char c = text[at];
     if (c == '"') {
       const std::size_t first = at + 1;
       for (++at; at < text.size() && text[at] != '"'; ++at) at += text[at] == '\\' ? 1 : 0;
       const std::size_t colon = text.find_first_not_of(" \t\r\n", at + 1);
-      const bool is_key = depth == 1 && colon != std::string::npos && text[colon] == ':';
-      if (is_key) wanted = text.compare(first, at - first, key) == 0;
+      if (depth != 1 || colon == std::string::npos || text[colon] != ':') continue;
+      const std::string name = text.substr(first, at - first);
+      require(name.find('\\') == std::string::npos, "problem: a key has a backslash");
+      wanted = name == key;
+      require(!wanted || !found, "problem: " + key + " is given twice");
+      found = found || wanted;
     } else if (c == '{' || c == '[') {
       ++depth;
     } else if (c == '}' || c == ']') {
@@ -57,46 +61,54 @@ std::vector<double> jsonNumbers(const std::string& text, const std::string& key)
   return numbers;
 }
 
+namespace {
+
+/// Whole numbers below `limit` behind a key.
+std::vector<std::size_t> jsonPlaces(const std::string& text, const std::string& key, std::size_t limit) {
+  std::vector<std::size_t> places;
+  for (const double number : jsonNumbers(text, key)) {
+    require(number >= 0.0 && number < static_cast<double>(limit) && number == std::floor(number),
+            key + " names what is not there");
+    places.push_back(static_cast<std::size_t>(number));
+  }
+  return places;
+}
+
+}  // namespace
+
 void compareNumbers(const std::string& problem, const Matrices& program,
                     const std::set<std::size_t>& equalities) {
-  const auto given = [&](const std::string& name) -> const Matrix& { return program.at(name); };
-  const auto compare = [&](const std::string& key, const Vector& values) {
-    const std::vector<double> numbers = jsonNumbers(problem, key);
-    require(numbers.size() == values.size() &&
-                std::equal(numbers.begin(), numbers.end(), values.begin(),
-                           [](double number, const Fraction& value) { return Fraction(number) == value; }),
+  const auto compare = [&](const std::string& key, const std::string& name,
+                           const std::vector<double>& wanted) {
+    const Vector& entries = program.at(name).entries;
+    require(std::equal(wanted.begin(), wanted.end(), entries.begin(), entries.end(),
+                       [](double number, const Fraction& value) { return Fraction(number) == value; }),
             key + " is not that of the problem file");
   };
-  for (const char* key : {"H", "f", "F", "A", "b", "A_theta", "b_theta"}) compare(key, given(key).entries);
-  compare("B", given("S").entries);
-  Vector lower, upper;
-  for (std::size_t j = 0; j < given("box").rows; ++j) {
-    lower.push_back(given("box").at(j, 0));
-    upper.push_back(given("box").at(j, 1));
-  }
-  compare("lb", lower);
-  compare("ub", upper);
-  const std::vector<double> ids = jsonNumbers(problem, "eq_ids");
-  const auto is_row = [&](double id) {
-    return id >= 0.0 && id < static_cast<double>(given("A").rows) && id == std::floor(id);
-  };
-  require(std::all_of(ids.begin(), ids.end(), is_row), "eq_ids names no rows");
-  require(std::set<std::size_t>(ids.begin(), ids.end()) == equalities,
+  for (const char* key : {"H", "f", "F", "A", "b", "A_theta", "b_theta"})
+    compare(key, key, jsonNumbers(problem, key));
+  compare("B", "S", jsonNumbers(problem, "B"));
+  const std::vector<double> lower = jsonNumbers(problem, "lb"), upper = jsonNumbers(problem, "ub");
+  require(lower.size() == upper.size(), "lb and ub are not of one length");
+  std::vector<double> box;
+  for (std::size_t j = 0; j < lower.size(); ++j) box.insert(box.end(), {lower[j], upper[j]});
+  compare("lb or ub", "box", box);
+  const std::vector<std::size_t> rows = jsonPlaces(problem, "eq_ids", program.at("A").rows);
+  require(std::set<std::size_t>(rows.begin(), rows.end()) == equalities,
           "eq_ids is not that of the problem file");
-  const Matrix& E = given("E");
   if (!jsonNumbers(problem, "E").empty()) {
-    for (const char* key : {"E", "C", "c"}) compare(key, given(key).entries);
+    for (const char* key : {"E", "C", "c"}) compare(key, key, jsonNumbers(problem, key));
     return;
   }
-  std::vector<double> out = jsonNumbers(problem, "out");
-  for (std::size_t i = out.size(); out.size() == i && i < E.rows && jsonNumbers(problem, "out").empty(); ++i)
-    out.push_back(static_cast<double>(i));
-  require(out.size() == E.rows, "out is not that of the problem file");
-  for (std::size_t i = 0; i < E.rows; ++i) {
-    for (std::size_t j = 0; j < E.columns; ++j)
-      require(E.at(i, j) == (static_cast<double>(j) == out[i] ? 1 : 0),
-              "out is not that of the problem file");
-  }
+  // Without E, u are the entries of z that `out` names; without that too, all of z. Nothing is added.
+  const std::size_t n = program.at("E").columns;
+  std::vector<std::size_t> out = jsonPlaces(problem, "out", n);
+  for (std::size_t j = 0; out.size() == j && j < n; ++j) out.push_back(j);
+  std::vector<double> E(out.size() * n);
+  for (std::size_t i = 0; i < out.size(); ++i) E[i * n + out[i]] = 1.0;
+  compare("out", "E", E);
+  for (const char* name : {"C", "c"})
+    compare("out", name, std::vector<double>(program.at(name).entries.size()));
 }
 
 }  // namespace checker
