@@ -57,6 +57,7 @@ std::string hexText(std::uint64_t value) {
 }
 
 std::string unsealed(const std::string& text) {
+  require(text.compare(0, 8, "polyfly ") == 0, "not a certificate");
   const std::size_t end = text.rfind("\nend ");
   require(end != std::string::npos, "the certificate is cut off");
   require(text.substr(end + 1) == "end " + hexText(xxh64(text.substr(0, end + 1))) + "\n",
