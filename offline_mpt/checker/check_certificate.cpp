@@ -11,6 +11,7 @@
 #include "arguments.hpp"
 #include "export_bound.hpp"
 #include "files.hpp"
+#include "json_problem.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "reduction.hpp"
@@ -91,9 +92,10 @@ void confirm(const checker::Arguments& arguments) {
   if (original_file.empty()) {
     const auto proof = checker::readMapCertificate(readFile(certificate), map);
     const bool is_compared = !map.problem.empty() && map.kind() == "json";
-    if (is_compared) proof->compareProblem(map.problem);
+    if (is_compared) checker::compareProblem(*proof, map, map.problem);
     if (!problem.empty())
-      checker::withFile(problem, [&](const std::string& text) { proof->compareProblem(text); });
+      checker::withFile(problem,
+                        [&](const std::string& text) { checker::compareProblem(*proof, map, text); });
     proof->progress = showProgress;
     proof->check();
     conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);

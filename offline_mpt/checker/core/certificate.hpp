@@ -63,7 +63,6 @@ class Certificate {
 
   /// Reads all lines. Must be called once, before all others.
   void read(const std::string& text);
-  void compareProblem(const std::string& problem) const;
   /// The statements, region by region, then of look-ups.
   void check() const;
   Progress progress = [](const char*, std::size_t, std::size_t) {};

@@ -4,6 +4,7 @@
 
 #include "arguments.hpp"
 #include "files.hpp"
+#include "json_problem.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "problem/program_match.hpp"
@@ -65,7 +66,7 @@ void confirm(const checker::Arguments& arguments) {
   if (robust != nullptr) {
     confirmRobust(*robust, map.problem);
   } else if (map.kind() == "json") {
-    certificate->compareProblem(map.problem);
+    checker::compareProblem(*certificate, map, map.problem);
     std::printf("confirmed: each number of the program is that of the problem\n");
   } else {
     confirmTracking(*certificate, map.problem);

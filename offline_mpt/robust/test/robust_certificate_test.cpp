@@ -4,6 +4,7 @@
 
 #include "../../test/map_in_memory.hpp"
 #include "../../test/mutation.hpp"
+#include "json_problem.hpp"
 #include "proven_robust.hpp"
 #include "robust/read_map_certificate.hpp"
 
@@ -54,7 +55,7 @@ std::string confirmed(const ProvenRobust& proven) {
   EXPECT_TRUE(proven.proof.passed()) << proofText(proven.solved.problem, proven.proof);
   const checker::Map map(bytesOf(proven.content));
   const auto certificate = checker::readMapCertificate(proven.proof.certificate, map);
-  certificate->compareProblem(proven.solved.problem.text);
+  checker::compareProblem(*certificate, map, proven.solved.problem.text);
   certificate->check();
   return certificate->conditions();
 }
