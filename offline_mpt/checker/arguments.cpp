@@ -35,7 +35,7 @@ std::string read(const Tool& tool, int argc, char** argv, Arguments& arguments) 
     const bool option = std::find(tool.options.begin(), tool.options.end(), word) != tool.options.end();
     if (!option && !word.empty() && word[0] == '-') throw BadUsage(shown(word) + " is no option");
     if (!option && arguments.count("") != 0) throw BadUsage(shown(word) + ": one file is checked at a time");
-    if (option && ++k == argc) throw BadUsage(word + ": its value is missing");
+    if (option && (++k == argc || *argv[k] == '\0')) throw BadUsage(word + ": its value is missing");
     arguments[option ? word : ""] = argv[k];
   }
   const bool has_folder = !tool.instead_of_file.empty() && arguments.count(tool.instead_of_file) != 0;
@@ -75,6 +75,9 @@ int run(const Tool& tool, int argc, char** argv, const std::function<void(const 
     say(tool.name, error.what() + (" (see " + tool.name + " --help)"));
   } catch (const Unreadable& error) {
     say(tool.name, error.what());
+  } catch (const RefusedFile& error) {
+    say(tool.name, error.what());
+    return kRefused;
   } catch (const std::bad_alloc&) {
     say(tool.name, "out of memory");
   } catch (const std::exception& error) {

@@ -11,6 +11,7 @@
 #include "arguments.hpp"
 #include "export_bound.hpp"
 #include "files.hpp"
+#include "json_problem.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "reduction.hpp"
@@ -61,10 +62,14 @@ std::string onlyStem(const std::string& folder, const std::string& ending) {
   return stem;
 }
 
+checker::Map readMap(const std::string& path) {
+  return checker::withFile(path, [](const std::string& bytes) { return checker::Map(bytes); });
+}
+
 void confirmCode(const std::string& folder, const std::string& map_file) {
   using checker::readFile;
   const std::string stem = onlyStem(folder, ".json");
-  const checker::Map map(readFile(map_file));
+  const checker::Map map = readMap(map_file);
   checker::confirmExport(readFile(stem + ".json"), readFile(stem + ".c"), map);
   std::printf("confirmed: the code of %zu regions answers within its bounds\n", map.regions.size());
 }
@@ -82,18 +87,20 @@ void confirm(const checker::Arguments& arguments) {
   }
   if (!problem.empty() && !original_file.empty())
     throw checker::BadUsage("--problem and --reduced-from exclude each other");
-  const checker::Map map(readFile(map_file));
+  const checker::Map map = readMap(map_file);
   std::string conditions;
   if (original_file.empty()) {
     const auto proof = checker::readMapCertificate(readFile(certificate), map);
     const bool is_compared = !map.problem.empty() && map.kind() == "json";
-    if (!problem.empty() || is_compared)
-      proof->compareProblem(problem.empty() ? map.problem : readFile(problem));
+    if (is_compared) checker::compareProblem(*proof, map, map.problem);
+    if (!problem.empty())
+      checker::withFile(problem,
+                        [&](const std::string& text) { checker::compareProblem(*proof, map, text); });
     proof->progress = showProgress;
     proof->check();
     conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);
   } else {
-    const checker::Map original(readFile(original_file));
+    const checker::Map original = readMap(original_file);
     checker::Reduction proof(readFile(certificate), map, original);
     proof.check();
     conditions = proof.conditions();

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "files.hpp"
+#include "json_problem.hpp"
 
 namespace checker {
 namespace {

@@ -86,6 +86,7 @@ TEST_F(BadOptions, TheCheckerTellsWhatIsWrongWithItsCommandLine) {
   expectLine(CHECK_CERTIFICATE, {}, "check_certificate: the file to check is missing");
   expectLine(CHECK_CERTIFICATE, {"a.cert"}, "check_certificate: --map is missing");
   expectLine(CHECK_CERTIFICATE, {"a.cert", "--map"}, "check_certificate: --map: its value is missing");
+  expectLine(CHECK_CERTIFICATE, {"a.cert", "--map", ""}, "check_certificate: --map: its value is missing");
   expectLine(CHECK_CERTIFICATE, {"a.cert", "--wings"}, "check_certificate: '--wings' is no option");
   expectLine(CHECK_CERTIFICATE, {"a.cert", "--map", "\x1b[31m"}, "check_certificate: ?[31m: no such file");
 }

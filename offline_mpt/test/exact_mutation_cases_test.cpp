@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/certificate.hpp"
+#include "json_problem.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
 #include "offline_mpt/certify.hpp"
@@ -360,7 +361,9 @@ TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
   for (const char* const ids : {"-1", "4", "0.5", "1e30"}) {
     std::string other = kJsonProblem;
     other.replace(other.find("\"eq_ids\": []"), 12, std::string("\"eq_ids\": [") + ids + "]");
-    EXPECT_NE(refusalOfText(program, content, other).find("eq_ids names no rows"), std::string::npos) << ids;
+    EXPECT_NE(refusalOfText(program, content, other).find("eq_ids names what is not there"),
+              std::string::npos)
+        << ids;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include "json_problem.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
@@ -33,7 +34,7 @@ std::string refusal(const std::string& certificate, const std::string& map, cons
   try {
     const checker::Map content(map);
     const auto proof = checker::readMapCertificate(certificate, content);
-    if (!problem.empty()) proof->compareProblem(problem);
+    if (!problem.empty()) checker::compareProblem(*proof, content, problem);
     proof->check();
   } catch (const checker::Refused& error) {
     return error.what();

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <random>
 #include <sstream>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "problem/program_match.hpp"
 
 namespace polyfly {
@@ -203,6 +206,47 @@ TEST(ProblemChecker, RefusesAChangedProgram) {
     matrix.entries.resize(matrix.rows * matrix.columns);
   }
   EXPECT_NE(refusal(shorter, text), "");
+}
+
+/// Of each problem that flies, entries that are off by 1e-9 of the greatest in their row: of their own matrix, of constants
+/// also of those beside it.
+TEST(ProblemChecker, RefusesAChangedProgramOfEachFile) {
+  const std::map<std::string, std::vector<std::string>> sizedBy = {{"box", {"box"}},
+                                                                   {"H", {"H"}},
+                                                                   {"F", {"F"}},
+                                                                   {"f", {"F", "f"}},
+                                                                   {"A", {"A"}},
+                                                                   {"S", {"A", "S"}},
+                                                                   {"b", {"A", "S", "b"}},
+                                                                   {"A_theta", {"A_theta"}},
+                                                                   {"b_theta", {"A_theta", "b_theta"}},
+                                                                   {"E", {"E"}},
+                                                                   {"C", {"C", "c"}},
+                                                                   {"c", {"C", "c"}}};
+  std::mt19937 random(5);
+  for (const char* const name : {"multirotor_lateral", "multirotor_vertical", "lateral_speed_limit",
+                                 "look_ahead/vertical", "look_ahead/lateral", "reference/lateral_asl"}) {
+    const std::string path = std::string(PROBLEMS) + "/" + name + ".yaml", text = readText(path);
+    const checker::TrackingProblem problem = checker::readTrackingProblem(text);
+    const checker::ExpectedProgram expected = checker::expectedProgram(problem);
+    const checker::Matrices right = matricesOf(condense(parseProblem(text, path)));
+    ASSERT_NO_THROW(checker::matchProgram(right, problem, expected, kTolerance)) << name;
+    for (std::size_t tried = 0; tried < 3 * right.size(); ++tried) {
+      const auto& [key, matrix] = *std::next(right.begin(), static_cast<std::ptrdiff_t>(tried / 3));
+      if (matrix.entries.empty()) continue;
+      const std::size_t k = random() % matrix.entries.size(), row = k / matrix.columns;
+      mpq_class size;
+      for (const std::string& part : sizedBy.at(key)) {
+        const checker::Matrix& beside = right.at(part);
+        for (std::size_t j = 0; j < beside.columns; ++j)
+          size = std::max(size, mpq_class(abs(beside.at(row, j))));
+      }
+      checker::Matrices changed = right;
+      changed.at(key).entries[k] += (size == 0 ? mpq_class(1) : size) / 1000000000;
+      EXPECT_THROW(checker::matchProgram(changed, problem, expected, kTolerance), checker::Refused)
+          << name << " " << key << " " << k;
+    }
+  }
 }
 
 TEST(ProblemChecker, RefusesAnotherProblem) {

@@ -50,6 +50,14 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenReducedAndCounted) {
   const Outcome proven = tool({"verify", path("speed.map"), "--exact", "--certificate", path("speed.cert")});
   ASSERT_EQ(proven.exit_code, 0) << proven.out;
   EXPECT_EQ(check({path("speed.cert"), "--map", path("speed.map")}).exit_code, 0);
+  // A refusal names the file that is wrong.
+  const Outcome swapped = check({path("speed.map"), "--map", path("speed.cert")});
+  EXPECT_EQ(swapped.exit_code, 1);
+  expectPart(swapped.err, "speed.cert: refused: not a region map");
+  expectPart(check({path("speed.map"), "--map", path("speed.map")}).err,
+             "speed.map: refused: not a certificate");
+  expectPart(check({path("speed.cert"), "--map", path("speed.map"), "--problem", path("speed.map")}).err,
+             "speed.map: refused: the problem file is not the one");
 
   const Outcome reduced = tool({"reduce", path("speed.map"), "-o", path("small.map"), "--separate",
                                 "--certificate", path("small.cert")});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <sstream>
 
 namespace checker {
 namespace {
@@ -144,7 +145,8 @@ void Certificate::checkSizes() {
         lower == Fraction(map_.bounds[2 * j]) && upper == Fraction(map_.bounds[2 * j + 1]) && lower < upper,
         "the box is not the map's");
   }
-  require(equalities_.empty() || *equalities_.rbegin() < m_, "no such row");
+  for (const std::size_t row : equalities_) require(row < m_, "equalities names no row");
+  for (const std::size_t row : basis_) require(row < m_, "basis names no row");
   requireCount(claims_.size());
 }
 
@@ -152,12 +154,6 @@ const Matrix& Certificate::data(const std::string& name) const {
   const auto at = data_.find(name);
   require(at != data_.end(), name + " is missing");
   return at->second;
-}
-
-/// Compares the numbers with those of a JSON problem. Of other kinds only the text is compared.
-void Certificate::compareProblem(const std::string& problem) const {
-  require(problem == map_.problem, "the problem file is not the one that the map was made from");
-  if (map_.kind() == "json") compareNumbers(problem, originalData(), equalities_);
 }
 
 void Certificate::check() const {

@@ -63,7 +63,6 @@ class Certificate {
 
   /// Reads all lines. Must be called once, before all others.
   void read(const std::string& text);
-  void compareProblem(const std::string& problem) const;
   /// The statements, region by region, then of look-ups.
   void check() const;
   Progress progress = [](const char*, std::size_t, std::size_t) {};
@@ -100,6 +99,7 @@ class Certificate {
   // 1, optimality: optimality.cpp.
   virtual void checkProgram() const;
   void checkConvexity() const;
+  void checkUniqueness() const;
   virtual std::set<std::size_t> activeSet(std::size_t index) const;
   void addActive(std::int64_t row, std::set<std::size_t>& active) const;
   virtual Optimum optimum(const std::vector<std::size_t>& rows) const;

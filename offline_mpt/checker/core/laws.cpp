@@ -5,12 +5,12 @@
 
 namespace checker {
 
-/// Sum is the greatest |u| of the map's law in the box.
+/// The difference counts the rounding of u. Sum is the greatest |u| of the map's law in the box.
 void Certificate::checkLaw(std::size_t index, const Region& region) const {
   for (std::size_t i = 0; i < q_; ++i) {
     const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
     const Vector mapped = scaling_.inBox(row, 1, Fraction(row[p_]));
-    Fraction difference, sum;
+    Fraction difference = scaling_.roundingOf(row), sum;
     for (std::size_t j = 0; j <= p_; ++j) {
       difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
       sum += abs(mapped[j]);

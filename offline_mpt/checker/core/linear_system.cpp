@@ -17,7 +17,7 @@ Integer solveSystem(std::vector<Row>& system, std::size_t required) {
           (pivot == size || cmp(abs(system[i][column]), abs(system[pivot][column])) < 0))
         pivot = i;
     }
-    require(pivot < size || column >= required, "active rows are dependent");
+    require(pivot < size || column >= required, "the conditions of optimality have no unique solution");
     if (pivot == size) continue;
     std::swap(system[k], system[pivot]);
     unknown_of.push_back(column);

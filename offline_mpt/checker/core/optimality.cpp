@@ -8,9 +8,13 @@ namespace checker {
 
 void Certificate::checkProgram() const {
   for (const std::size_t row : basis_) require(equalities_.count(row) > 0, "a row is no equality");
-  require(penalty_ >= 0, "convexity: negative");
   checkConvexity();
+  checkUniqueness();
 }
+
+/// Of a convex program: the system of the equalities alone is regular, so H is positive definite where they leave z free.
+/// For if H v = 0 were possible along them, v would solve that system without right-hand side.
+void Certificate::checkUniqueness() const { Certificate::optimum(basis_); }
 
 /// H counts as symmetric.
 Fraction Certificate::hessian(std::size_t i, std::size_t j) const {
@@ -19,6 +23,7 @@ Fraction Certificate::hessian(std::size_t i, std::size_t j) const {
 
 /// Elimination shows that H is positive semidefinite, with the penalty on the equalities.
 void Certificate::checkConvexity() const {
+  require(penalty_ >= 0, "convexity: negative");
   Matrix H = data("H");
   for (std::size_t i = 0; i < n_; ++i) {
     for (std::size_t j = 0; j < n_; ++j) {

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
-#include <vector>
 
 #include "core/rows.hpp"
 
@@ -24,12 +22,5 @@ Matrix readMatrix(Line& line, const std::string& key);
 
 /// There are the matrices of a program of n variables, m rows, p parameters and q outputs, and no others.
 void requireSizes(const Matrices& data, std::size_t n, std::size_t m, std::size_t p, std::size_t q);
-
-/// All numbers behind a key of the outermost object, in order; none where it is missing. Refuses what is not finite.
-std::vector<double> jsonNumbers(const std::string& text, const std::string& key);
-
-/// Compares every number with those of a JSON problem.
-void compareNumbers(const std::string& problem, const Matrices& program,
-                    const std::set<std::size_t>& equalities);
 
 }  // namespace checker

@@ -1,9 +1,11 @@
 #include "core/text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 namespace checker {
 namespace {
@@ -57,6 +59,7 @@ std::string hexText(std::uint64_t value) {
 }
 
 std::string unsealed(const std::string& text) {
+  require(text.compare(0, 8, "polyfly ") == 0, "not a certificate");
   const std::size_t end = text.rfind("\nend ");
   require(end != std::string::npos, "the certificate is cut off");
   require(text.substr(end + 1) == "end " + hexText(xxh64(text.substr(0, end + 1))) + "\n",
@@ -64,27 +67,26 @@ std::string unsealed(const std::string& text) {
   return text.substr(0, end);
 }
 
+bool Line::done() {
+  at_ = std::min(text_.find_first_not_of(" \t\r", at_), text_.size());
+  return at_ == text_.size();
+}
+
 std::string Line::word() {
-  std::string result;
-  require(static_cast<bool>(words_ >> result), "a line is shorter than its rule");
-  return result;
+  require(!done(), "a line is shorter than its rule");
+  const std::size_t first = at_;
+  at_ = std::min(text_.find_first_of(" \t\r", first), text_.size());
+  return text_.substr(first, at_ - first);
 }
 
 bool Line::next(const std::string& expected) {
-  if (done()) return false;
-  const auto before = words_.tellg();
-  std::string found;
-  if (words_ >> found && found == expected) return true;
-  words_.clear();
-  words_.seekg(before);
+  const std::size_t before = at_;
+  if (!done() && word() == expected) return true;
+  at_ = before;
   return false;
 }
 
-std::string Line::rest() {
-  std::string result;
-  std::getline(words_ >> std::ws, result);
-  return result;
-}
+std::string Line::rest() { return done() ? "" : text_.substr(std::exchange(at_, text_.size())); }
 
 std::size_t Line::count(std::size_t limit) {
   const std::string text = word();

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -26,12 +25,12 @@ std::string hexText(std::uint64_t value);       ///< 16 digits
 /// The lines of a certificate before the last, which seals them.
 std::string unsealed(const std::string& text);
 
-/// Words of one line.
+/// Words of one line, from the first to the last.
 class Line {
  public:
-  explicit Line(const std::string& text) : words_(text) {}
+  explicit Line(const std::string& text) : text_(text) {}
   std::string word();
-  bool done() { return (words_ >> std::ws).eof(); }
+  bool done();
   std::size_t count(std::size_t limit);    ///< whole, at most `limit`
   mpz_class integer();                     ///< base 16
   mpq_class fraction();                    ///< base 16, as numerator/denominator
@@ -41,7 +40,9 @@ class Line {
   void end() { require(done(), "a line is longer than its rule"); }
 
  private:
-  std::istringstream words_;
+  std::string text_;
+  /// Where the next word begins, or spaces before it.
+  std::size_t at_ = 0;
 };
 
 }  // namespace checker

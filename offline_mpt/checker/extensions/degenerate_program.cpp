@@ -66,8 +66,8 @@ void ExtendedCertificate::checkProgram() const {
     require(allowed.count(row) == 0 || equalities_.count(row) > 0, "an implied equality is dropped");
   }
   for (const std::size_t row : relaxed_) require(allowed.count(row) == 0, "an equality is relaxed");
-  require(penalty_ >= 0, "convexity: negative");
   if (!isLinear()) checkConvexity();
+  if (!isLinear() && !isSingular()) checkUniqueness();
 }
 
 /// Entries that count as others. They differ by rounding: 2^-30 of the greatest entry of the matrix, or of

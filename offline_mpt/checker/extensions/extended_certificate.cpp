@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <sstream>
 
 #include "extensions/extended_lookups.hpp"
 #include "extensions/read_certificate.hpp"

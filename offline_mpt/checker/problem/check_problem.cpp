@@ -4,6 +4,7 @@
 
 #include "arguments.hpp"
 #include "files.hpp"
+#include "json_problem.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "problem/program_match.hpp"
@@ -53,16 +54,19 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
 void confirm(const checker::Arguments& arguments) {
   const auto map_file = arguments.find("--map"), problem_file = arguments.find("--problem");
   if (map_file == arguments.end()) throw checker::BadUsage("--map is missing");
-  const checker::Map map(checker::readFile(map_file->second));
-  if (problem_file != arguments.end())
-    checker::require(checker::readFile(problem_file->second) == map.problem,
-                     "the problem file is not the one that the map was made from");
+  const checker::Map map =
+      checker::withFile(map_file->second, [](const std::string& bytes) { return checker::Map(bytes); });
+  if (problem_file != arguments.end()) {
+    checker::withFile(problem_file->second, [&](const std::string& text) {
+      checker::require(text == map.problem, "the problem file is not the one that the map was made from");
+    });
+  }
   const auto certificate = checker::readMapCertificate(checker::readFile(arguments.at("")), map);
   const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(certificate.get());
   if (robust != nullptr) {
     confirmRobust(*robust, map.problem);
   } else if (map.kind() == "json") {
-    certificate->compareProblem(map.problem);
+    checker::compareProblem(*certificate, map, map.problem);
     std::printf("confirmed: each number of the program is that of the problem\n");
   } else {
     confirmTracking(*certificate, map.problem);

@@ -12,6 +12,8 @@ namespace {
 // What the statement needs of the extensions: half-spaces that differ from the box by rounding.
 const char* const kLeftOut = "left_out";
 constexpr char kFirstWords[] = "polyfly robust ";
+// Rows are compared as lists of this length, whatever few numbers their lines hold.
+constexpr std::size_t kMostPredictions = 10000;
 
 }  // namespace
 
@@ -34,7 +36,7 @@ bool RobustCertificate::readProgram(const std::string& key, Line& line) {
   } else if (key == "predictions") {
     require(!has_predictions_, "predictions is given twice");
     has_predictions_ = true;
-    predictions_ = line.count(kMany);
+    predictions_ = line.count(kMostPredictions);
   } else if (key == "row") {
     readRow(line);
   } else if (key == "half_space") {
@@ -114,6 +116,7 @@ void RobustCertificate::readHalfSpace(Line& line) {
 }
 
 void RobustCertificate::readPoint(Line& line) {
+  require(has_predictions_, "predictions is missing");
   Point& point = points_.emplace_back();
   for (std::size_t j = 0; j < map().p + 2; ++j) point.y.push_back(line.fraction());
   while (!line.done()) point.plan.push_back(line.fraction());
@@ -145,7 +148,7 @@ void RobustCertificate::requireModel() const {
   constexpr std::size_t kMostChannels = 20;  // each vertex of the disturbances is tried
   require(model("G").columns <= kMostChannels, "model G: has too many channels");
   require(state_ranges_.empty() || state_ranges_.rbegin()->first < nx, "state_range: no such state");
-  require(errors_.size() == nx, "errors: not one for each state");
+  require(nx > 0 && errors_.size() == nx, "errors: not one for each state");
   std::set<std::size_t> seen;
   for (const std::size_t parameter : errors_) {
     require(parameter < p && seen.insert(parameter).second,
@@ -167,6 +170,8 @@ Vector RobustCertificate::preferredInput() const {
 /// references add; then perhaps tau.
 void RobustCertificate::complete() {
   require(data_.empty(), "an unknown line");
+  // A half-space that counts as an equality would let any law on it be the optimum.
+  require(equalities_.empty() && basis_.empty(), "equalities or basis of a robust program are not empty");
   requireModel();
   const std::size_t p = map().p, q = map().q, rows = half_spaces_.size();
   require(q == 1 || q == 2, "a robust map has one input, and perhaps tau");

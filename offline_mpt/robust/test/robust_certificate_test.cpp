@@ -1,8 +1,10 @@
 // The checker confirms the certificates of right robust maps, and refuses all that was changed.
+#include <algorithm>
 #include <cmath>
 
 #include "../../test/map_in_memory.hpp"
 #include "../../test/mutation.hpp"
+#include "json_problem.hpp"
 #include "proven_robust.hpp"
 #include "robust/read_map_certificate.hpp"
 
@@ -53,7 +55,7 @@ std::string confirmed(const ProvenRobust& proven) {
   EXPECT_TRUE(proven.proof.passed()) << proofText(proven.solved.problem, proven.proof);
   const checker::Map map(bytesOf(proven.content));
   const auto certificate = checker::readMapCertificate(proven.proof.certificate, map);
-  certificate->compareProblem(proven.solved.problem.text);
+  checker::compareProblem(*certificate, map, proven.solved.problem.text);
   certificate->check();
   return certificate->conditions();
 }
@@ -189,6 +191,33 @@ TEST_F(RobustMutation, LinesOfOtherCertificatesAreRefused) {
   EXPECT_NE(refusalOfLines("convexity ", setting(1, "singular"), tried), "");
   EXPECT_NE(refusalOfLines("coverage ", setting(1, "widened"), tried), "");
   EXPECT_EQ(tried, 1);
+}
+
+// A bound of the input that always holds with equality would be a law that is optimal.
+TEST_F(RobustMutation, NoHalfSpaceIsAnEquality) {
+  int tried = 0;
+  EXPECT_NE(
+      refusalOfLines("equalities ", replacing({"equalities", "1", "0"}), tried).find("equalities or basis"),
+      std::string::npos);
+  EXPECT_NE(refusalOfLines("basis ", replacing({"basis", "1", "0"}), tried).find("equalities or basis"),
+            std::string::npos);
+  EXPECT_EQ(tried, 1);
+}
+
+// A plan before its size is known would have none, and the size of plans is limited, since rows are as long.
+TEST_F(RobustMutation, PlansHaveASize) {
+  std::vector<std::string> lines = linesOf(certificate_);
+  const auto size = std::find_if(lines.begin(), lines.end(),
+                                 [](const std::string& line) { return line.rfind("predictions ", 0) == 0; });
+  ASSERT_NE(size, lines.end());
+  const std::string huge = "predictions 99999999";
+  std::vector<std::string> early = lines, long_plan = lines;
+  long_plan[static_cast<std::size_t>(size - lines.begin())] = huge;
+  EXPECT_NE(refusal(sealed(joined(long_plan, "\n") + "\n", map_), map_).find("out of range"),
+            std::string::npos);
+  early.insert(early.begin() + 4, "point 0 0 0 0 0");
+  EXPECT_NE(refusal(sealed(joined(early, "\n") + "\n", map_), map_).find("predictions is missing"),
+            std::string::npos);
 }
 
 TEST_F(RobustMutation, HalfSpacesAreChecked) {

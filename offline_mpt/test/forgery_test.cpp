@@ -1,0 +1,106 @@
+// Maps and certificates that were forged together: what they state is false, and all checksums are right.
+#include <cmath>
+
+#include "map_in_memory.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+
+namespace polyfly {
+namespace {
+
+/// min |z|^2 / 2 with |z| <= 2, and what `ending` adds.
+std::string smallProblem(const std::string& ending) {
+  return R"({"H": [[1, 0], [0, 1]], "f": [0, 0], "F": [[1, 0], [0, 1]],
+    "A": [[1, 0], [-1, 0], [0, 1], [0, -1]], "b": [2, 2, 2, 2], "B": [[0, 0], [0, 0], [0, 0], [0, 0]],
+    "lb": [-3, -3], "ub": [3, 3])" +
+         ending + "}";
+}
+
+/// Why a map and a certificate are refused that are right for `program`, but carry another text.
+std::string refusalOfLiar(ParametricProgram program, const std::string& text) {
+  program.text = text;
+  program.text_kind = "json";
+  const MapContent content = encode(program, explore(program));
+  const CertifyReport report = certify(MapInMemory(content).map(), program);
+  EXPECT_TRUE(report.passed()) << certifyText(report);
+  return refusal(report.certificate, bytesOf(content), text);
+}
+
+// Such a problem has u = z, or some entries of z. A certificate with another C or c is of another problem.
+TEST(Forgery, AnOutputByPlaceAddsNothing) {
+  for (const char* const ending : {R"(, "out": [0])", ""}) {
+    const std::string text = smallProblem(ending);
+    const ParametricProgram program = parseProgramJson(text, "test.json");
+    EXPECT_EQ(refusalOfLiar(program, text), "");
+    ParametricProgram shifted = program;
+    shifted.C(0, 1) = 0.25;
+    EXPECT_NE(refusalOfLiar(shifted, text), "");
+    shifted = program;
+    shifted.c(0) = 0.25;
+    EXPECT_NE(refusalOfLiar(shifted, text), "");
+  }
+}
+
+// A reader of JSON sees other numbers than those behind the first such key.
+TEST(Forgery, KeysThatReadTwoWaysAreRefused) {
+  const ParametricProgram program = parseProgramJson(smallProblem(""), "test.json");
+  EXPECT_NE(refusalOfLiar(program, smallProblem(R"(, "\u0048": [[2, 0], [0, 2]])")), "");
+  EXPECT_NE(refusalOfLiar(program, smallProblem(R"(, "H": [])")), "");
+}
+
+/// The text with one line in the place of that which starts with `key`.
+std::string withLine(const std::string& text, const std::string& key, const std::string& line) {
+  std::vector<std::string> lines = linesOf(text);
+  bool found = false;
+  for (std::string& old : lines) {
+    if (old.compare(0, key.size() + 1, key + " ") != 0) continue;
+    old = line;
+    found = true;
+  }
+  EXPECT_TRUE(found) << key;
+  return joined(lines, "\n") + "\n";
+}
+
+// z_1 of min z_0^2 / 2 may be anything up to theta; the system of the bound is regular all the same.
+TEST(Forgery, AMinimiserThatIsNotUniqueIsRefused) {
+  ParametricProgram program = parseProgramJson(
+      R"({"H": [[1, 0], [0, 1]], "f": [0, -3], "F": [[0], [0]], "A": [[0, 1], [0, -1]], "b": [0, 5],
+          "B": [[1], [0]], "lb": [-1], "ub": [1], "out": [1]})",
+      "test.json");
+  const MapContent content = encode(program, explore(program));
+  const CertifyReport report = certify(MapInMemory(content).map(), program);
+  const std::string map = bytesOf(content);
+  ASSERT_EQ(refusal(report.certificate, map), "");
+  std::string forged = withLine(report.certificate, "H", "H 2 2 0x1p+0 0x0p+0 0x0p+0 0x0p+0");
+  forged = withLine(forged, "f", "f 2 1 0x0p+0 0x0p+0");
+  EXPECT_NE(refusal(sealed(forged, map), map), "");
+}
+
+// u = 1e6 theta - 1e12 is right in exact numbers. In doubles it is off by 1e-4, which is 1e-9 of the greatest u.
+TEST(Forgery, TheRoundingOfALawCounts) {
+  const ParametricProgram program = parseProgramJson(
+      R"({"H": [[1]], "f": [1e12], "F": [[-1e6]], "A": [], "b": [], "B": [], "lb": [999999], "ub": [1000001]})",
+      "test.json");
+  const MapContent content = encode(program, explore(program));
+  const CertifyReport report = certify(MapInMemory(content).map(), program);
+  ASSERT_TRUE(report.passed()) << certifyText(report);
+  const std::string map = bytesOf(content);
+  EXPECT_EQ(refusal(report.certificate, map), "");
+  const std::string tight = withLine(report.certificate, "tolerances", "tolerances 0x1p-34 0x1p-30");
+  EXPECT_NE(refusal(sealed(tight, map), map).find("law"), std::string::npos);
+}
+
+// Read before the basis is judged.
+TEST_F(Mutation, ABasisOfRowsThatAreNotThereIsRefused) {
+  std::string counts = "convexity singular 0x1p+0";
+  for (int i = 0; i < 9; ++i)
+    counts += "\ncounts H " + std::to_string(i / 3) + " " + std::to_string(i % 3) + " 0";
+  std::string forged = withLine(certificate_, "convexity", counts);
+  forged = withLine(forged, "basis", "basis 1 99999999");
+  EXPECT_NE(refusal(sealed(forged, map_), map_), "");
+}
+
+}  // namespace
+}  // namespace polyfly
