@@ -17,6 +17,7 @@
 #include "map_region.hpp"
 #include "offline_mpt/reduce_proven.hpp"
 #include "prove.hpp"
+#include "solve.hpp"
 #include "watch.hpp"
 
 namespace polyfly::python {
@@ -111,13 +112,6 @@ MergeMethod mergeMethod(const std::string& name) {
   throw Error("merge: must be none, greedy, optimal or auto, got '" + name + "'");
 }
 
-TreeMode reducedTree(const std::string& name) {
-  for (const TreeMode mode : {TreeMode::kAuto, TreeMode::kSmall}) {
-    if (name == toString(mode)) return mode;
-  }
-  throw Error("tree: must be auto or small, got '" + name + "'");
-}
-
 std::unique_ptr<LoadedMap> reduceMap(const LoadedMap& map, const std::string& merge, bool separate,
                                      const std::string& tree, int threads, py::object progress) {
   const std::string name = map.map().path() + ", reduced";
@@ -125,7 +119,7 @@ std::unique_ptr<LoadedMap> reduceMap(const LoadedMap& map, const std::string& me
     ReduceOptions reduce;
     reduce.merge = mergeMethod(merge);
     reduce.separate = separate;
-    reduce.tree = reducedTree(tree);
+    reduce.tree = treeMode(tree, {TreeMode::kAuto, TreeMode::kSmall});
     reduce.threads = threadCount(threads);
     reduce.stop = &watch.stop();
     reduce.progress = [&](auto done, auto total) {

@@ -29,7 +29,7 @@ void checkRegions(const ParametricProgram& program, const Partition& partition) 
 
 TreeOptions treeOptions(const SolveOptions& options, Watch& watch) {
   TreeOptions tree;
-  tree.mode = treeMode(options.tree);
+  tree.mode = treeMode(options.tree, {TreeMode::kFast, TreeMode::kAuto, TreeMode::kSmall});
   tree.threads = threadCount(options.threads);
   tree.stop = &watch.stop();
   tree.progress = [&watch](auto done, auto total) {
@@ -40,11 +40,13 @@ TreeOptions treeOptions(const SolveOptions& options, Watch& watch) {
 
 }  // namespace
 
-TreeMode treeMode(const std::string& name) {
-  for (const TreeMode mode : {TreeMode::kFast, TreeMode::kAuto, TreeMode::kSmall}) {
-    if (name == toString(mode)) return mode;
+TreeMode treeMode(const std::string& name, const std::vector<TreeMode>& modes) {
+  std::string names;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    if (name == toString(modes[i])) return modes[i];
+    names += (i == 0 ? "" : i + 1 == modes.size() ? " or " : ", ") + std::string(toString(modes[i]));
   }
-  throw Error("tree: must be fast, auto or small, got '" + name + "'");
+  throw Error("tree: must be " + names + ", got '" + name + "'");
 }
 
 std::unique_ptr<LoadedMap> solveProgram(const ParametricProgram& program, const SolveOptions& options,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "loaded_map.hpp"
 #include "offline_mpt/search_tree.hpp"
@@ -21,8 +22,8 @@ struct SolveOptions {
   std::uint64_t memory_limit = 0;  ///< [bytes], 0: none
 };
 
-/// The mode of that name. Throws Error unless it is fast, auto or small.
-TreeMode treeMode(const std::string& name);
+/// That of the modes which has the name. Throws Error where none has it.
+TreeMode treeMode(const std::string& name, const std::vector<TreeMode>& modes);
 
 /// Explores a program and encodes its map. A map that a limit ended says so in its status. Throws Error where there is
 /// no region to keep.
