@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <set>
@@ -199,21 +200,27 @@ TEST(MinimumCover, AgreesWithBruteForce) {
   }
 }
 
-/// u of both maps at places away from the planes of the grid.
-void expectSameAnswers(const RegionMap& a, const RegionMap& b, int steps) {
-  const Signal& x = a.parameters()[0];
-  const Signal& y = a.parameters()[1];
+/// Places of the box away from the planes of the grid.
+std::vector<std::array<double, 2>> places(const RegionMap& map, int steps) {
+  const Signal& x = map.parameters()[0];
+  const Signal& y = map.parameters()[1];
+  std::vector<std::array<double, 2>> result;
   for (int i = 0; i < steps; ++i) {
-    for (int j = 0; j < steps; ++j) {
-      const double theta[] = {x.lower + (x.upper - x.lower) * (i + 0.4) / steps,
-                              y.lower + (y.upper - y.lower) * (j + 0.6) / steps};
-      double u = 0.0, v = 0.0;
-      const Lookup found = b.evaluate(theta, &v);
-      ASSERT_EQ(a.evaluate(theta, &u).status, found.status) << theta[0] << ", " << theta[1];
-      EXPECT_EQ(found.status, b.locateExhaustively(theta).status);
-      if (found.status == LookupStatus::kInside) {
-        EXPECT_NEAR(u, v, 1e-12);
-      }
+    for (int j = 0; j < steps; ++j)
+      result.push_back({x.lower + (x.upper - x.lower) * (i + 0.4) / steps,
+                        y.lower + (y.upper - y.lower) * (j + 0.6) / steps});
+  }
+  return result;
+}
+
+void expectSameAnswers(const RegionMap& a, const RegionMap& b, int steps) {
+  for (const std::array<double, 2>& theta : places(a, steps)) {
+    double u = 0.0, v = 0.0;
+    const Lookup found = b.evaluate(theta.data(), &v);
+    ASSERT_EQ(a.evaluate(theta.data(), &u).status, found.status) << theta[0] << ", " << theta[1];
+    EXPECT_EQ(found.status, b.locateExhaustively(theta.data()).status);
+    if (found.status == LookupStatus::kInside) {
+      EXPECT_NEAR(u, v, 1e-12);
     }
   }
 }
@@ -252,16 +259,12 @@ TEST(Separate, KeepsRegionsThatNoPlanesSeparate) {
 
 /// Whether the maps answer differently at one of many places of the box.
 bool differSomewhere(const RegionMap& a, const RegionMap& b) {
-  constexpr int kSteps = 200;
-  const Signal& x = a.parameters()[0];
-  const Signal& y = a.parameters()[1];
-  for (int k = 0; k < kSteps * kSteps; ++k) {
-    const double theta[] = {x.lower + (x.upper - x.lower) * (k % kSteps + 0.4) / kSteps,
-                            y.lower + (y.upper - y.lower) * (k / kSteps + 0.6) / kSteps};
+  const std::vector<std::array<double, 2>> all = places(a, 200);
+  return std::any_of(all.begin(), all.end(), [&](const std::array<double, 2>& theta) {
     double u = 0.0, v = 0.0;
-    if (a.evaluate(theta, &u).status != b.evaluate(theta, &v).status || std::abs(u - v) > 1e-9) return true;
-  }
-  return false;
+    return a.evaluate(theta.data(), &u).status != b.evaluate(theta.data(), &v).status ||
+           std::abs(u - v) > 1e-9;
+  });
 }
 
 /// Every map that `change` makes of the reduced one must be refuted.
