@@ -79,7 +79,7 @@ void expectAsInFileEverywhere(const MadeMap& made, std::uint64_t seed, int point
 void spoilTests(MapContent& content, Random& random) {
   for (std::size_t i = 0; i < content.tests.size(); ++i) {
     const std::uint32_t rows = content.regions[content.candidates[i]].row_count;
-    const std::uint32_t all = rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
+    const std::uint32_t all = testsOfAll(rows);
     content.tests[i] =
         random() % 4 == 0 ? static_cast<std::uint32_t>(random()) & all : content.tests[i] & all;
   }

@@ -119,7 +119,7 @@ class TreeMaker {
       const std::size_t implied = std::min<std::size_t>(31, box_rows_.size() + path.size());
       for (const std::uint32_t candidate : candidates) {
         const std::uint32_t rows = map_.regions[candidate].row_count;
-        const std::uint32_t all = rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
+        const std::uint32_t all = testsOfAll(rows);
         if (recipe_.names_tests) map_.tests.push_back(all & ~((1u << implied) - 1));
       }
       return addLeaf(map_, candidates);

@@ -10,7 +10,7 @@ void Certificate::checkLaw(std::size_t index, const Region& region) const {
   for (std::size_t i = 0; i < q_; ++i) {
     const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
     const Vector mapped = scaling_.inBox(row, 1, Fraction(row[p_]));
-    Fraction difference = scaling_.roundingOf(row), sum;
+    Fraction difference = scaling_.roundingOf(row, 1), sum;
     for (std::size_t j = 0; j <= p_; ++j) {
       difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
       sum += abs(mapped[j]);

@@ -20,8 +20,7 @@ LookupAnswers::LookupAnswers(const Map& map)
   walkTree();
 }
 
-/// Of the sum of p products and a constant, in any order, with or without fused operations. The test of the box lets
-/// |t_j| <= 1 + tolerance pass, and what the rounding of its bounds adds.
+/// The test of the box lets |t_j| <= 1 + tolerance pass, and what the rounding of its bounds adds.
 void LookupAnswers::findRounding() {
   for (std::size_t j = 0; j < map_.p; ++j) {
     const Fraction size = abs(scaling_.centre[j]) + scaling_.half[j];
@@ -29,15 +28,9 @@ void LookupAnswers::findRounding() {
             "the range of a parameter is too narrow for the size of its numbers");
   }
   Fraction greatest;
-  for (std::size_t k = 0; k < map_.planes.size(); k += map_.p + 1) {
-    Fraction size = abs(Fraction(map_.planes[k + map_.p]));
-    for (std::size_t j = 0; j < map_.p; ++j)
-      size += abs(Fraction(map_.planes[k + j])) *
-              (abs(scaling_.centre[j]) + scaling_.half[j] * (1 + powerOfTwo(-kWideBits)));
-    greatest = std::max(greatest, size);
-  }
-  const Fraction whole =
-      ((map_.p + 3) * greatest * powerOfTwo(-53) + powerOfTwo(-1000)) * powerOfTwo(kUnitBits);
+  for (std::size_t k = 0; k < map_.planes.size(); k += map_.p + 1)
+    greatest = std::max(greatest, scaling_.roundingOf(map_.planes.data() + k, 1 + powerOfTwo(-kWideBits)));
+  const Fraction whole = greatest * powerOfTwo(kUnitBits);
   Integer up;
   mpz_cdiv_q(up.get_mpz_t(), whole.get_num_mpz_t(), whole.get_den_mpz_t());
   rounding_ = up * powerOfTwo(-kUnitBits);

@@ -129,10 +129,10 @@ Vector Scaling::inBox(const double* entries, int sign, const Fraction& constant)
   return result;
 }
 
-Fraction Scaling::roundingOf(const double* entries) const {
+Fraction Scaling::roundingOf(const double* entries, const Fraction& reach) const {
   const std::size_t p = half.size();
   Fraction sum = abs(Fraction(entries[p]));
-  for (std::size_t j = 0; j < p; ++j) sum += abs(Fraction(entries[j])) * (abs(centre[j]) + half[j]);
+  for (std::size_t j = 0; j < p; ++j) sum += abs(Fraction(entries[j])) * (abs(centre[j]) + half[j] * reach);
   require(sum <= Fraction(Integer(1) << 1000), "numbers of the map are too great for doubles");
   return (p + 3) * sum / Fraction(Integer(1) << 53) + Fraction(1) / Fraction(Integer(1) << 1000);
 }

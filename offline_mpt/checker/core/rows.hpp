@@ -53,9 +53,9 @@ struct Scaling {
   explicit Scaling(const Map& map);
   /// sign * entries . theta + constant as a row in t.
   Vector inBox(const double* entries, int sign, const Fraction& constant) const;
-  /// Greatest error of entries[0..p) . theta + entries[p] in binary64 in the box: in any order, with or without fused
-  /// operations.
-  Fraction roundingOf(const double* entries) const;
+  /// Greatest error of entries[0..p) . theta + entries[p] in binary64 where |t_j| <= reach: in any order, with or without
+  /// fused operations.
+  Fraction roundingOf(const double* entries, const Fraction& reach) const;
 
   Vector centre, half;
 };

@@ -33,8 +33,8 @@ struct ReduceOptions {
   /// Laws that differ by less anywhere in the box are one, relative to max(1, |finite bounds of u|).
   double law_tolerance = 1e-9;
   /// How far the search tree grows. kSmall: as far as it shortens look-ups, and these leave out rows that the way to a
-  /// leaf implies. kAuto: at most two nodes per region, and look-ups test all rows, so that errors of exported floats and
-  /// integers are small.
+  /// leaf implies. kAuto: at most two nodes per region, and look-ups test all rows, which may give exported
+  /// code smaller error bounds.
   TreeMode tree = TreeMode::kAuto;
   /// TreeOptions::side_tolerance; a tenth of it where there are fallback regions.
   double side_tolerance = 1e-9;

@@ -77,14 +77,6 @@ std::string describeOrigin(const ExactOrigin& origin) {
   return "";
 }
 
-/// Greatest error of a law's row that is computed in doubles in the box, as the checker bounds it.
-Rational rounding(const ExactProgram& program, const double* row) {
-  Rational sum = abs(Rational(row[program.p]));
-  for (int j = 0; j < program.p; ++j)
-    sum += abs(Rational(row[j])) * (abs(program.centre[j]) + program.half[j]);
-  return (program.p + 3) * sum / Rational(Integer(1) << 53) + Rational(1) / Rational(Integer(1) << 1000);
-}
-
 void compareLaw(const CheckContext& context, const RegionView& view, const ExactRegion& exact,
                 std::uint32_t index, RegionCheck& check) {
   const ExactProgram& program = context.program;
@@ -93,7 +85,7 @@ void compareLaw(const CheckContext& context, const RegionView& view, const Exact
   for (int i = 0; i < program.q; ++i) {
     const double* row = law + static_cast<std::ptrdiff_t>(i) * (program.p + 1);
     const Rational* wanted = exact.law.data() + static_cast<std::ptrdiff_t>(i) * (program.p + 1);
-    Rational constant(row[program.p]), difference = rounding(program, row), size;
+    Rational constant(row[program.p]), difference = program.roundingOf(row, 1), size;
     for (int j = 0; j < program.p; ++j) {
       const Rational gain = Rational(row[j]) * program.half[j];
       constant += Rational(row[j]) * program.centre[j];

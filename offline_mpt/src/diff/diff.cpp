@@ -30,12 +30,8 @@ class MapComparison {
       : first_(first),
         second_(second),
         boxes_(boxTree(second.cells())),
-        inputs_(first.exact().map().inputs().size()) {
-    for (const Signal& range : ranges) {
-      centre_.push_back((Rational(range.lower) + Rational(range.upper)) / 2);
-      half_.push_back((Rational(range.upper) - Rational(range.lower)) / 2);
-    }
-  }
+        inputs_(first.exact().map().inputs().size()),
+        ranges_(ranges) {}
 
   CellDifferences compare(const MapCell& cell) const {
     CellDifferences result;
@@ -81,7 +77,7 @@ class MapComparison {
     result.input = static_cast<int>(input);
     result.first_region = first;
     result.second_region = second;
-    const std::size_t p = half_.size();
+    const std::size_t p = ranges_.half.size();
     const RegionMap& map = first_.exact().map();
     const RegionMap& other = second_.exact().map();
     const double* const u = map.law(map.region(first).law) + input * (p + 1);
@@ -91,8 +87,8 @@ class MapComparison {
     difference[p] = Rational(u[p]) - Rational(v[p]);
     for (std::size_t j = 0; j < p; ++j) {
       const Rational gain = Rational(u[j]) - Rational(v[j]);
-      difference[j] = gain * half_[j];
-      difference[p] += gain * centre_[j];
+      difference[j] = gain * ranges_.half[j];
+      difference[p] += gain * ranges_.centre[j];
     }
     for (const Rational& entry : difference) opposite.emplace_back(-entry);
     LinearMaximum maximum = maximise(rows, difference);
@@ -107,7 +103,7 @@ class MapComparison {
   const MapCells& second_;
   BoxTree boxes_;
   std::size_t inputs_;
-  std::vector<Rational> centre_, half_;
+  ExactRanges ranges_;
 };
 
 /// For each region of a map, the regions of another one whose interiors meet its, ascending.

@@ -99,7 +99,8 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const ProgramPertur
 
 ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgram& numbers,
                            const ProgramPerturbation& adjustment)
-    : n(program.variableCount()),
+    : ExactRanges(program.parameters),
+      n(program.variableCount()),
       m(program.rowCount()),
       p(program.parameterCount()),
       q(program.inputCount()),
@@ -109,10 +110,6 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgr
       in_basis(static_cast<std::size_t>(m), 0),
       is_equality(static_cast<std::size_t>(m), 0),
       is_dropped(static_cast<std::size_t>(m), 0) {
-  for (const Signal& signal : program.parameters) {
-    centre.push_back((Rational(signal.upper) + Rational(signal.lower)) / 2);
-    half.push_back((Rational(signal.upper) - Rational(signal.lower)) / 2);
-  }
   for (const int row : adjustment.basis) in_basis[row] = 1;
   for (const int row : adjustment.dropped) is_dropped[row] = 1;
   for (const int row : program.equalities) is_equality[row] = 1;

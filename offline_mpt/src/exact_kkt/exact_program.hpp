@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "arithmetic/exact_matrix.hpp"
+#include "exact_kkt/exact_ranges.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "program/singular_hessian.hpp"
 
@@ -45,7 +46,7 @@ struct RationalProgram {
 ///
 /// in z and t multiplied by 2^shift, each row by a power of two of its own, H and cost by another: signs are
 /// those of the program.
-struct ExactProgram {
+struct ExactProgram : ExactRanges {
   ExactProgram(const ParametricProgram& program, const ProgramPerturbation& adjustment);
   /// With `numbers` in place of those of `program`, which has the sizes, the box and whether H is zero.
   ExactProgram(const ParametricProgram& program, const RationalProgram& numbers,
@@ -61,8 +62,6 @@ struct ExactProgram {
   long shift = 0;
   long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
   std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]
-  std::vector<Rational> centre;
-  std::vector<Rational> half;
   IntegerMatrix H;
   IntegerMatrix cost;             ///< n x (p + 1)
   IntegerMatrix A;                ///< m x n

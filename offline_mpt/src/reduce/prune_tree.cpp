@@ -101,7 +101,8 @@ class Pruner {
     else
       return std::nullopt;
     for (const std::uint32_t region : joined.candidates)
-      joined.tests.push_back(testsAllRows(region) ? allRows(region) : solver_.testsAt(region, path_));
+      joined.tests.push_back(testsAllRows(region) ? testsOfAll(rowCount(region))
+                                                  : solver_.testsAt(region, path_));
     if (cost(joined) > std::max(cost(below), cost(above)) + 1) return std::nullopt;
     return joined;
   }
@@ -121,18 +122,13 @@ class Pruner {
     return tree_.tests.empty() || region >= laws_.first_fallback;
   }
 
-  std::uint32_t allRows(std::uint32_t region) const {
-    const std::uint32_t rows = rowCount(region);
-    return rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
-  }
-
   PrunedLeaf prune(const MapContent::Leaf& leaf) {
     std::map<std::uint32_t, std::uint32_t> tests;  // by candidate
     Candidates candidates;
     for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
       candidates.push_back(tree_.candidates[k]);
-      tests[candidates.back()] =
-          testsAllRows(candidates.back()) ? allRows(candidates.back()) : tree_.tests[k];
+      const std::uint32_t region = candidates.back();
+      tests[region] = testsAllRows(region) ? testsOfAll(rowCount(region)) : tree_.tests[k];
     }
     std::sort(candidates.begin(), candidates.end());
     for (std::size_t i = candidates.size(); i-- > 0 && candidates.size() > 1;) {

@@ -90,6 +90,11 @@ constexpr bool isTested(std::uint32_t tests, std::uint32_t row) noexcept {
   return (tests >> (row < 31 ? row : 31) & 1u) != 0;
 }
 
+/// The bits of MapContent::tests that name all rows of a region.
+constexpr std::uint32_t testsOfAll(std::uint32_t row_count) noexcept {
+  return row_count < 32 ? (std::uint32_t{1} << row_count) - 1 : MapContent::kAllRows;
+}
+
 /// How many of a region's rows a look-up tests.
 constexpr std::uint32_t testedRows(std::uint32_t tests, std::uint32_t row_count) noexcept {
   std::uint32_t count = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 #include "certify/lookup/leaf_walk.hpp"
 #include "certify/shared_loop.hpp"
@@ -21,6 +22,13 @@ void members(Archive& archive, LeafResult& leaf) {
   archive(leaf.text, leaf.defects);
 }
 
+Defect lookupDefect(std::string text) {
+  Defect defect;
+  defect.kind = Defect::Kind::kLookup;
+  defect.text = std::move(text);
+  return defect;
+}
+
 class LeafProver {
  public:
   LeafProver(const LookupContext& context, const std::vector<BoundaryRow>& boundary, std::size_t visit)
@@ -32,10 +40,7 @@ class LeafProver {
   LeafResult prove() {
     LeafResult result;
     if (context_.tree.namesTwice(visit_)) {
-      Defect defect;
-      defect.kind = Defect::Kind::kLookup;
-      defect.text = name_ + ": names a region twice";
-      result.defects.push_back(std::move(defect));
+      result.defects.push_back(lookupDefect(name_ + ": names a region twice"));
       return result;
     }
     if (!LeafWalk(context_, visit_).prove(result.text)) cover(result);
@@ -62,10 +67,9 @@ class LeafProver {
   }
 
   void addGap(const std::vector<Rational>& witness, std::vector<Defect>& defects) const {
-    Defect defect;
-    defect.kind = Defect::Kind::kLookup;
-    defect.text = witness.empty() ? name_ + ": is not proven to answer all that arrives there"
-                                  : name_ + ": no candidate holds a parameter that arrives there";
+    Defect defect =
+        lookupDefect(name_ + (witness.empty() ? ": is not proven to answer all that arrives there"
+                                              : ": no candidate holds a parameter that arrives there"));
     if (!witness.empty()) defect.witness = toTheta(context_.check.program, witness);
     defects.push_back(std::move(defect));
   }
@@ -78,14 +82,13 @@ class LeafProver {
 
 void addUnbounded(const LookupTree& tree, std::uint32_t region, const UnboundedRow& row,
                   std::vector<Defect>& defects) {
-  Defect defect;
-  defect.kind = Defect::Kind::kLookup;
+  Defect defect =
+      lookupDefect("leaf " + std::to_string(tree.leaf(row.visit)) + ": a look-up does not test row " +
+                   std::to_string(row.row) + " of region " + std::to_string(region) +
+                   ", and may answer further beyond it than " + std::to_string(kReach) + " tolerances");
   defect.region = region;
   defect.row = static_cast<int>(row.row);
   defect.size = row.reach;
-  defect.text = "leaf " + std::to_string(tree.leaf(row.visit)) + ": a look-up does not test row " +
-                std::to_string(row.row) + " of region " + std::to_string(region) +
-                ", and may answer further beyond it than " + std::to_string(kReach) + " tolerances";
   defects.push_back(std::move(defect));
 }
 
@@ -106,11 +109,7 @@ std::function<void(std::uint64_t, std::uint64_t)> lookupProgress(const CertifyOp
 void checkHeader(const CheckContext& context, const WholePlanes& planes, std::vector<Defect>& defects) {
   const RegionMap& map = context.map;
   const auto require = [&](bool holds, const std::string& text) {
-    if (holds) return;
-    Defect defect;
-    defect.kind = Defect::Kind::kLookup;
-    defect.text = text;
-    defects.push_back(std::move(defect));
+    if (!holds) defects.push_back(lookupDefect(text));
   };
   const std::string status(map.solverStatus());
   require(status == "complete", "the map's status is '" + status + "', not 'complete'");

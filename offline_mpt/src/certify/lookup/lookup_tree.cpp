@@ -23,9 +23,9 @@ void unite(std::vector<TreeMember>& members) {
 
 }  // namespace
 
-LookupTree::LookupTree(const RegionMap& map) : map_(map) {
+LookupTree::LookupTree(const RegionMap& map) {
   visits_.reserve(map.nodeCount() + map.leafCount());
-  std::vector<Visit> open{{map.root(), 0, 0, 0, {}}};
+  std::vector<Visit> open{{map.root(), 0, 0, 0, {}, false}};
   while (!open.empty()) {
     const std::size_t index = visits_.size();
     visits_.push_back(std::move(open.back()));
@@ -35,26 +35,24 @@ LookupTree::LookupTree(const RegionMap& map) : map_(map) {
     if ((child & MapContent::kLeaf) != 0) continue;
     const MapContent::Node& node = map.node(child);
     const auto row = static_cast<std::int32_t>(node.plane) + 1;
-    open.push_back({node.above, index, 0, -row, {}});
-    open.push_back({node.below, index, 0, row, {}});
+    open.push_back({node.above, index, 0, -row, {}, false});
+    open.push_back({node.below, index, 0, row, {}, false});
   }
   for (std::size_t i = visits_.size(); i-- > 0;) {
     Visit& visit = visits_[i];
-    if (isLeaf(i)) addLeafMembers(visit);
+    if (isLeaf(i)) addLeafMembers(map, visit);
+    const std::size_t named = visit.members.size();
     unite(visit.members);
+    visit.names_twice = isLeaf(i) && visit.members.size() < named;
     std::vector<TreeMember>& above = visits_[visit.parent].members;
     if (i > 0) above.insert(above.end(), visit.members.begin(), visit.members.end());
   }
 }
 
-void LookupTree::addLeafMembers(Visit& visit) const {
-  const LeafView leaf = map_.leaf(visit.child & ~MapContent::kLeaf);
+void LookupTree::addLeafMembers(const RegionMap& map, Visit& visit) const {
+  const LeafView leaf = map.leaf(visit.child & ~MapContent::kLeaf);
   for (std::uint32_t k = 0; k < leaf.count; ++k)
     visit.members.push_back({leaf.candidates[k], leaf.testsOf(k)});
-}
-
-bool LookupTree::namesTwice(std::size_t visit) const {
-  return members(visit).size() < map_.leaf(leaf(visit)).count;
 }
 
 std::vector<std::int32_t> LookupTree::path(std::size_t visit) const {

@@ -16,7 +16,6 @@ struct TreeMember {
 /// The search tree of a map in the order of descents: a node, what lies below its plane, what lies above.
 class LookupTree {
  public:
-  /// The map must outlive the object.
   explicit LookupTree(const RegionMap& map);
 
   std::size_t size() const { return visits_.size(); }
@@ -32,7 +31,7 @@ class LookupTree {
   /// Rows that hold on the way to a node or leaf, from the root on.
   std::vector<std::int32_t> path(std::size_t visit) const;
   /// Whether a leaf names a region twice. Then the rows that the tests of both name count, and nothing is proven of it.
-  bool namesTwice(std::size_t visit) const;
+  bool namesTwice(std::size_t visit) const { return visits_[visit].names_twice; }
   /// Ascending by region. A region that a leaf names twice is there once.
   const std::vector<TreeMember>& members(std::size_t visit) const { return visits_[visit].members; }
   /// The member of a region, nullptr where it is none.
@@ -46,11 +45,10 @@ class LookupTree {
     /// The row that leads here from the parent.
     std::int32_t row = 0;
     std::vector<TreeMember> members;
+    bool names_twice = false;
   };
 
-  void addLeafMembers(Visit& visit) const;
-
-  const RegionMap& map_;
+  void addLeafMembers(const RegionMap& map, Visit& visit) const;
 
   std::vector<Visit> visits_;
 };

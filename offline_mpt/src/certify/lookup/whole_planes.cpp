@@ -8,8 +8,6 @@
 namespace polyfly {
 namespace {
 
-constexpr int kPrecisionBits = 53;        // rounding of one operation in binary64, relative
-constexpr int kUnderflowBits = 1000;      // more than what operations lose below the least double
 constexpr unsigned long kBoundBits = 50;  // a look-up's bounds of the box are off by 2^-50 of their size
 constexpr long kLeastBits = 120;          // the unit is 2^-120 or less, so that tolerances keep their digits
 
@@ -17,20 +15,6 @@ Rational powerOfTwo(long exponent) {
   Rational result(1);
   if (exponent >= 0) mpq_mul_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(exponent));
   if (exponent < 0) mpq_div_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(-exponent));
-  return result;
-}
-
-std::vector<Rational> middles(const RegionMap& map) {
-  std::vector<Rational> result;
-  for (const Signal& signal : map.parameters())
-    result.push_back((Rational(signal.lower) + Rational(signal.upper)) / 2);
-  return result;
-}
-
-std::vector<Rational> halves(const RegionMap& map) {
-  std::vector<Rational> result;
-  for (const Signal& signal : map.parameters())
-    result.push_back((Rational(signal.upper) - Rational(signal.lower)) / 2);
   return result;
 }
 
@@ -42,35 +26,29 @@ Integer roundedUp(const Rational& value) {
 
 }  // namespace
 
-WholePlanes::WholePlanes(const RegionMap& map, const ExactProgram& program)
-    : WholePlanes(map, program.centre, program.half) {}
-
-WholePlanes::WholePlanes(const RegionMap& map) : WholePlanes(map, middles(map), halves(map)) {}
-
-WholePlanes::WholePlanes(const RegionMap& map, const std::vector<Rational>& centre,
-                         const std::vector<Rational>& half)
-    : p_(static_cast<int>(half.size())), exponent_(kLeastBits) {
+WholePlanes::WholePlanes(const RegionMap& map, const ExactRanges& ranges)
+    : p_(static_cast<int>(ranges.half.size())), exponent_(kLeastBits) {
+  const std::vector<Rational>&centre = ranges.centre, &half = ranges.half;
+  const Rational reach = 1 + powerOfTwo(-int{kWideBits});
   std::vector<Rational> values;
   values.reserve(map.planeCount() * static_cast<std::size_t>(p_ + 1));
-  Rational greatest;
+  Rational rounding;
   long least = kNoBit;
   for (std::size_t k = 0; k < map.planeCount(); ++k) {
     const double* const plane = map.plane(k);
-    Rational constant(plane[p_]), size = abs(constant);
+    Rational constant(plane[p_]);
     for (int j = 0; j < p_; ++j) {
       const Rational entry(plane[j]);
       values.push_back(-entry * half[j]);
       constant -= entry * centre[j];
-      size += abs(entry) * (abs(centre[j]) + half[j] * (1 + powerOfTwo(-int{kWideBits})));
     }
     values.push_back(constant);
-    greatest = std::max(greatest, size);
+    rounding = std::max(rounding, ranges.roundingOf(plane, reach));
   }
   for (const Rational& value : values) include(least, value);
   if (least != kNoBit) exponent_ = std::max(exponent_, -least);
   for (const Rational& value : values) planes_.push_back(scaled(value, exponent_));
   tolerance_ = up(Rational(map.tolerance()));
-  const Rational rounding = (p_ + 3) * greatest * powerOfTwo(-kPrecisionBits) + powerOfTwo(-kUnderflowBits);
   rounding_ = roundedUp(rounding * powerOfTwo(kLeastBits))
               << static_cast<unsigned long>(exponent_ - kLeastBits);
   if (4 * rounding_ > tolerance_)

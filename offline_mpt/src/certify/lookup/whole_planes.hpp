@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "certify/farkas_proof.hpp"
-#include "exact_kkt/exact_program.hpp"
+#include "exact_kkt/exact_ranges.hpp"
 
 namespace polyfly {
 
@@ -18,9 +18,7 @@ using WholeRow = std::vector<Integer>;
 /// as the tolerance, are whole numbers in the same unit.
 class WholePlanes {
  public:
-  WholePlanes(const RegionMap& map, const ExactProgram& program);
-  /// With the ranges of the map's parameters.
-  explicit WholePlanes(const RegionMap& map);
+  WholePlanes(const RegionMap& map, const ExactRanges& ranges);
 
   /// Why look-ups compute too roughly for a proof; empty where they do not.
   const std::string& tooRough() const { return too_rough_; }
@@ -45,8 +43,6 @@ class WholePlanes {
   static constexpr unsigned kWideBits = 26;
 
  private:
-  WholePlanes(const RegionMap& map, const std::vector<Rational>& centre, const std::vector<Rational>& half);
-
   int p_;
   long exponent_;
   std::vector<Integer> planes_;

@@ -33,7 +33,7 @@ ReductionDefect defectOf(const LookupTree& tree, std::uint32_t region, const Unb
 bool proveAnswers(const RegionMap& reduced, const ReductionOptions& options, std::string& text,
                   std::vector<ReductionDefect>& defects) {
   if (testsAllRows(reduced)) return true;
-  const WholePlanes planes(reduced);
+  const WholePlanes planes(reduced, ExactRanges(reduced.parameters()));
   if (!planes.tooRough().empty()) {
     defects.push_back(defectOf("leaves of the reduced map test some rows only, but " + planes.tooRough()));
     return true;

@@ -35,14 +35,10 @@ void writeLeaves(const std::vector<LeafTests>& leaves, MapContent& content) {
   }
 }
 
-std::uint32_t allRows(const MapContent& content, std::uint32_t region) {
-  const std::uint32_t rows = content.regions[region].row_count;
-  return rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
-}
-
 bool repair(const ReductionDefect& defect, const MapContent& content, LeafTests& leaf) {
   const LeafTests before = leaf;
-  for (const std::uint32_t region : defect.missing) leaf.emplace(region, allRows(content, region));
+  for (const std::uint32_t region : defect.missing)
+    leaf.emplace(region, testsOfAll(content.regions[region].row_count));
   if (defect.row >= 0) leaf[defect.region] |= 1u << std::min(defect.row, 31);
   return leaf != before;
 }

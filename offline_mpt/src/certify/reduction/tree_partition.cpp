@@ -177,13 +177,8 @@ ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* othe
 
 ExactMap::ExactMap(const RegionMap& map, double full_slack, const std::vector<Signal>& ranges,
                    const ExactMap* other)
-    : map_(map) {
-  for (const Signal& signal : ranges) {
-    const Rational lower(signal.lower), upper(signal.upper);
-    centre_.push_back((lower + upper) / 2);
-    half_.push_back((upper - lower) / 2);
-  }
-  const std::size_t width = centre_.size() + 1;
+    : map_(map), ranges_(ranges) {
+  const std::size_t width = ranges_.half.size() + 1;
   std::map<std::vector<double>, std::size_t> known;
   for (std::size_t i = 0; other != nullptr && i < other->rows_.size(); ++i) {
     const double* const plane = other->map_.plane(i);
@@ -198,12 +193,12 @@ ExactMap::ExactMap(const RegionMap& map, double full_slack, const std::vector<Si
 }
 
 ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) const {
-  const std::size_t p = centre_.size();
+  const std::size_t p = ranges_.centre.size();
   std::vector<Rational> below;  // c - a . theta
   Rational bound(plane[p]);
   for (std::size_t j = 0; j < p; ++j) {
-    below.emplace_back(-Rational(plane[j]) * half_[j]);
-    bound -= Rational(plane[j]) * centre_[j];
+    below.emplace_back(-Rational(plane[j]) * ranges_.half[j]);
+    bound -= Rational(plane[j]) * ranges_.centre[j];
   }
   below.push_back(bound);
   PlaneRows rows;
@@ -236,7 +231,7 @@ int ExactMap::p() const { return static_cast<int>(map_.parameters().size()); }
 Eigen::VectorXd ExactMap::theta(const std::vector<Rational>& t) const {
   Eigen::VectorXd result(static_cast<Eigen::Index>(t.size()));
   for (std::size_t j = 0; j < t.size(); ++j)
-    result(static_cast<Eigen::Index>(j)) = Rational(centre_[j] + half_[j] * t[j]).get_d();
+    result(static_cast<Eigen::Index>(j)) = Rational(ranges_.centre[j] + ranges_.half[j] * t[j]).get_d();
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "exact_kkt/exact_ranges.hpp"
 #include "exact_kkt/exact_region.hpp"
 #include "region_maps/signal.hpp"
 
@@ -54,7 +55,7 @@ class ExactMap {
   PlaneRows makeRows(const double* plane, double full_slack) const;
 
   const RegionMap& map_;
-  std::vector<Rational> centre_, half_;
+  ExactRanges ranges_;
   // Rows of each plane.
   std::vector<std::shared_ptr<const PlaneRows>> rows_;
 };
