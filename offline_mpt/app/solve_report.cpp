@@ -21,6 +21,17 @@ std::vector<double> numbers(const Eigen::VectorXd& theta) {
   return {theta.data(), theta.data() + theta.size()};
 }
 
+// Regions between such rows may be thinner than a map can have.
+void reportNearRows(const SolveArguments& options, const Partition& partition) {
+  if (partition.near_rows.empty()) return;
+  std::string rows;
+  for (const int row : partition.near_rows) rows += (rows.empty() ? "" : ", ") + std::to_string(row);
+  std::printf(
+      "%s: rows %s differ from another row by less than 1e-5: whether the map answers all between them, "
+      "verify --exact decides\n",
+      options.map.c_str(), rows.c_str());
+}
+
 }  // namespace
 
 std::string checkpointOf(const SolveArguments& options) { return options.map + ".checkpoint"; }
@@ -117,6 +128,7 @@ void reportEnd(const SolveArguments& options, const Partition& partition, const 
       break;
   }
   if (options.quiet) return;
+  reportNearRows(options, partition);
   std::printf("%s: %s, %zu regions, %zu laws, depth %u, %zu bytes, explored in %.3g s, tree in %.3g s\n",
               options.map.c_str(), toString(partition.status), map.regionCount(), map.lawCount(),
               map.cost().depth, map.bytes(), seconds.explore, seconds.encode);

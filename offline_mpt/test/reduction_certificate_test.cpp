@@ -168,6 +168,53 @@ TEST_P(ReductionCertificate, NestedCutsHaveALimit) {
   EXPECT_NE(refusalWith(line, 2, nested).find("cuts are nested too deeply"), std::string::npos);
 }
 
+/// One region on the parameters [-1, 1], and a tree that leads to it along so many nodes.
+MapContent chain(int nodes, std::uint64_t reduced_from) {
+  MapContent content;
+  content.reduced_from = reduced_from;
+  content.name = "chain";
+  content.solver_status = "complete";
+  content.tolerance = 1e-8;
+  content.parameters = {{"x", "m", -1.0, 1.0}};
+  content.inputs = {{"u", "N", -10.0, 10.0}};
+  content.planes = {1.0, 1.0, 1.0, -1.0};
+  content.rows = {1, -2};
+  content.laws = {0.5, 0.0};
+  content.regions = {{0, 2, 0, 0, 0}};
+  content.leaves = {{0, 1}};
+  content.candidates = {0};
+  content.root = nodes > 0 ? 0 : MapContent::kLeaf;
+  for (int k = 1; k <= nodes; ++k) {
+    content.planes.insert(content.planes.end(), {1.0, 2.0 * k / (nodes + 1) - 1.0});
+    const auto next = static_cast<std::uint32_t>(k);
+    content.nodes.push_back({next + 1, MapContent::kLeaf, k < nodes ? next : MapContent::kLeaf});
+  }
+  return content;
+}
+
+// The checker reads 1,998 nodes; that takes too long for a test.
+TEST(ReductionDepth, AProofThatNestsTooDeeplyIsRefused) {
+  ReductionOptions options;
+  options.certificate = true;
+  const MapInMemory original(chain(0, 0));
+  for (const int nodes : {1, 400}) {
+    const MapInMemory reduced(chain(nodes, original.map().checksum()));
+    const ReductionReport report = verifyReduction(reduced.map(), original.map(), options);
+    ASSERT_TRUE(report.passed()) << reductionText(report);
+    EXPECT_EQ(reductionRefusal(report.certificate, reduced.bytes(), original.bytes()), "") << nodes;
+  }
+  const MapInMemory reduced(chain(1999, original.map().checksum()));
+  try {
+    verifyReduction(reduced.map(), original.map(), options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("chain: region 0: its proof nests 2000 cuts"), std::string::npos)
+        << error.what();
+  }
+  options.certificate = false;
+  EXPECT_TRUE(verifyReduction(reduced.map(), original.map(), options).passed());
+}
+
 TEST_P(ReductionCertificate, EveryCutAndEveryBitIsNoticed) {
   for (std::size_t size = 0; size < certificate_.size(); size += 1 + certificate_.size() / 200)
     EXPECT_NE(refusalOf(certificate_.substr(0, size)), "") << size;

@@ -80,8 +80,8 @@ TEST(RepeatedRows, MapsAreProvenWhateverTheNoise) {
 }
 
 /// `count` random rows, each repeated three times; each number changes by so much of itself.
-ParametricProgram repeatedThrice(std::uint64_t seed, int count, double noise) {
-  const ProgramSize size{4, 10, 3};
+ParametricProgram repeatedThrice(std::uint64_t seed, int count, double noise,
+                                 const ProgramSize& size = {4, 10, 3}) {
   ParametricProgram program = madeProgram(seed, size);
   Random random(seed + 1000);
   const auto changed = [&](double number) {
@@ -125,6 +125,38 @@ TEST(RepeatedRows, SlacksThatAreAllButConstantAreHalfSpaces) {
   for (const Repeated& made : {Repeated{41, 2, 1e-10}, Repeated{65, 1, 1e-10}, Repeated{96, 1, 1e-10}}) {
     SCOPED_TRACE(testing::Message() << made.seed);
     expectProven(repeatedThrice(made.seed, made.rows, made.noise));
+  }
+}
+
+// The planes of the search tree enclose regions that are thousands of times as long as they are wide. Half of the cases
+// have regions of a radius below 1e-9, the others cells that parameters reach by rounding alone.
+TEST(RepeatedRows, NoCellIsSoThinThatItsRegionsAreLost) {
+  for (const Repeated& made : {Repeated{17, 2, 1e-8}, Repeated{41, 1, 1e-8}, Repeated{44, 2, 1e-7},
+                               Repeated{30, 1, 1e-6}, Repeated{32, 2, 1e-6}}) {
+    SCOPED_TRACE(testing::Message() << made.seed);
+    expectProven(repeatedThrice(made.seed, made.rows, made.noise));
+  }
+  for (const Repeated& made : {Repeated{21, 1, 1e-7}, Repeated{22, 2, 1e-7}, Repeated{2, 3, 1e-6}}) {
+    SCOPED_TRACE(testing::Message() << made.seed);
+    expectProven(repeatedThrice(made.seed, made.rows, made.noise, {4, 9, 4}));
+  }
+}
+
+TEST(RepeatedRows, AreNamedWhereTheyCountAsTwo) {
+  const ProgramSize size{3, 8, 2};
+  EXPECT_TRUE(explore(madeProgram(3, size)).near_rows.empty());
+  for (const double noise : {1e-12, 1e-8, 1e-6}) {
+    const ParametricProgram program = repeatedThrice(3, 1, noise, size);
+    const Partition partition = explore(program);
+    Random random(3 + 1000);
+    const int repeated = random.below(size.rows);
+    // Nearer ones count as one.
+    const std::vector<int> rows = noise < 1e-10 ? std::vector<int>() : std::vector<int>{repeated, 8, 9, 10};
+    EXPECT_EQ(partition.near_rows, rows) << noise;
+    const std::string notes = encode(program, partition).solver_notes;
+    EXPECT_EQ(notes.find("near_rows: " + std::to_string(repeated) + " 8 9 10\n") != std::string::npos,
+              !rows.empty())
+        << notes;
   }
 }
 

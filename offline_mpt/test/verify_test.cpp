@@ -45,6 +45,22 @@ class Verify : public testing::Test {
   }
 
   // Every look-up tests all regions in file order.
+  /// Adds a region between the plane of a row and another one, so far inside of it; below zero it is empty.
+  void addSlab(double width) {
+    MapContent::Region slab = content.regions.front();
+    const std::int32_t row = content.rows[slab.first_row];
+    const std::size_t count = content.parameters.size() + 1;
+    for (std::size_t j = 0; j < count; ++j)
+      content.planes.push_back(content.planes[(static_cast<std::size_t>(std::abs(row)) - 1) * count + j]);
+    content.planes.back() += row > 0 ? -width : width;
+    const auto beyond = static_cast<std::int32_t>(content.planes.size() / count);
+    slab.first_row = static_cast<std::uint32_t>(content.rows.size());
+    slab.row_count = 2;
+    content.rows.push_back(row);
+    content.rows.push_back(row > 0 ? -beyond : beyond);
+    content.regions.push_back(slab);
+  }
+
   void searchAllRegions() {
     content.nodes.clear();
     content.root = MapContent::kLeaf;
@@ -182,24 +198,28 @@ TEST_F(Verify, CatchesAnswersWhereThereIsNoSolution) {
 
 TEST_F(Verify, CatchesAnEmptyRegion) {
   searchAllRegions();
-  MapContent::Region empty = content.regions.front();
-  const std::int32_t row = content.rows[empty.first_row];
-  const std::size_t width = content.parameters.size() + 1;
-  for (std::size_t j = 0; j < width; ++j) {
-    content.planes.push_back(content.planes[(static_cast<std::size_t>(std::abs(row)) - 1) * width + j]);
-  }
-  content.planes.back() += row > 0 ? 0.1 : -0.1;
-  const auto beyond = static_cast<std::int32_t>(content.planes.size() / width);
-  empty.first_row = static_cast<std::uint32_t>(content.rows.size());
-  empty.row_count = 2;
-  content.rows.push_back(row);
-  content.rows.push_back(row > 0 ? -beyond : beyond);
-  content.regions.push_back(empty);
-  searchAllRegions();
+  addSlab(-0.1);
   const VerifyReport result = report();
   EXPECT_FALSE(result.passed());
   EXPECT_GT(result.empty_regions.count, 0u);
   EXPECT_NEAR(result.empty_regions.worst, 0.05, 1e-6);
+}
+
+// Thinner than the error of the oracle.
+TEST_F(Verify, TellsAnEmptyRegionFromAThinOne) {
+  searchAllRegions();
+  const MapContent before = content;
+  for (const double width : {1e-9, 1e-10, 2e-11}) {
+    content = before;
+    addSlab(width);
+    EXPECT_EQ(report().empty_regions.count, 0u) << width;
+    content = before;
+    addSlab(-width);
+    const VerifyReport result = report();
+    EXPECT_FALSE(result.passed());
+    EXPECT_GT(result.empty_regions.count, 0u) << width;
+    EXPECT_NEAR(result.empty_regions.worst, 0.5 * width, 1e-15);
+  }
 }
 
 TEST_F(Verify, RefusesAMapThatSaysItIsIncomplete) {

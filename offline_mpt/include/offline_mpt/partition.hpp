@@ -61,6 +61,9 @@ struct Partition {
   /// whose cost falls without end. An exploration that was stopped asks at its start and at some corners of
   /// the box alone: empty, it promises nothing.
   Eigen::VectorXd unbounded_at;
+  /// Rows of the program that nearly repeat another one: unit rows differ by less than 1e-5. Regions between them may
+  /// be very thin.
+  std::vector<int> near_rows;
   ExploreStats stats;
 };
 

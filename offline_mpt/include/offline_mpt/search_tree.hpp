@@ -72,6 +72,8 @@ struct TreeOptions {
   bool all_rows = false;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
   double side_tolerance = 1e-12;
+  /// No cell is made whose inscribed ball has a smaller radius [scaled].
+  double least_cell = 0.0;
   /// Number of threads. The tree does not depend on it.
   int threads = 1;
   /// Other processes that build the tree with this one, process 0; not owned. The tree does not depend on them. They

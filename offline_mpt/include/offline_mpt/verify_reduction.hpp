@@ -82,7 +82,7 @@ struct ReductionReport {
 /// So every answer of the reduced map is one that the original gives as well, within the tolerance that both
 /// maps carry, and where the original answers, so does the reduced map. What is proven of the original holds
 /// for the reduced map up to that tolerance and `law_error`. Throws Error when the maps do not belong
-/// together.
+/// together, or a certificate is asked for that nests cuts more deeply than the checker reads.
 ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& original,
                                 const ReductionOptions& options = {});
 

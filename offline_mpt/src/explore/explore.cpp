@@ -184,6 +184,9 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
   if (partition.status == ExploreStatus::kComplete)
     checkUnresolved(program, options, state.unresolved, unbounded, partition);
   noteUnbounded(program, options, unbounded, partition);
+  for (std::size_t i = 0; i < worker.builder.nearRows().size(); ++i) {
+    if (worker.builder.nearRows()[i] != 0) partition.near_rows.push_back(program.row_ids[i]);
+  }
   partition.stats.regions = partition.regions.size();
   partition.stats.candidate_sets = state.found.size();
   partition.stats.open_sets = state.open();

@@ -39,7 +39,8 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
       threads_(std::max(1, options.threads)),
       planes_tried_(options.planes_tried),
       all_rows_(options.all_rows),
-      side_tolerance_(options.side_tolerance) {
+      side_tolerance_(options.side_tolerance),
+      least_cell_(options.least_cell) {
   for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
 }
 
@@ -146,6 +147,7 @@ bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
 bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                                MemberSolver& solver) const {
   for (const unsigned side : {kBelow, kAbove}) {
+    if (least_cell_ > 0.0 && solver.depthOf(cell, plane, side) < least_cell_) return true;
     bool is_empty = true, is_flat = true;
     for (std::size_t k = 0; k < sides.size() && is_flat; ++k) {
       if ((sides[k] & side) == 0) continue;

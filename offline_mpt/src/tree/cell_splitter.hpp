@@ -79,6 +79,7 @@ class CellSplitter {
   std::size_t planes_tried_;
   bool all_rows_;
   double side_tolerance_;
+  double least_cell_;
   std::vector<MemberSolver> solvers_;  // one per thread
 };
 

@@ -124,7 +124,8 @@ Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
 void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& content, TreeRegions& tree) {
   const std::size_t p = scaling.half.size();
   const Planes all = collectPlanes(partition, scaling);
-  const Deduplicator sharing(all.planes, p + 1, tolerance::kSamePlane);
+  const double same = partition.near_rows.empty() ? tolerance::kSamePlane : tolerance::kSamePlaneOfNearRows;
+  const Deduplicator sharing(all.planes, p + 1, same);
   for (const std::size_t i : sharing.representatives()) {
     double bound = all.planes[i * (p + 1) + p];
     for (std::size_t j = 0; j < p; ++j) {
@@ -225,6 +226,11 @@ std::string notes(const Partition& partition, const SearchTree& tree, TreeMode m
        << "least_radius: " << radius << "\n"
        << "tree_depth: " << tree.depth << "\n"
        << "tree: " << toString(mode) << ", " << toString(tree.end) << "\n";
+  if (!partition.near_rows.empty()) {
+    text << "near_rows:";
+    for (const int row : partition.near_rows) text << " " << row;
+    text << "\n";
+  }
   if (partition.unbounded_at.size() > 0)
     text << "unbounded_at: " << vectorText(partition.unbounded_at) << "\n";
   return text.str();
@@ -252,6 +258,7 @@ MapContent encode(const ParametricProgram& program, const Partition& partition, 
   addLaws(partition, scaling, content);
   TreeOptions choices = options;
   if (choices.explored_pivots == 0) choices.explored_pivots = partition.stats.lp_pivots;
+  if (!partition.near_rows.empty()) choices.least_cell = std::max(choices.least_cell, tolerance::kLeastCell);
   SearchTree tree = buildTree(regions, choices);
   content.solver_notes = notes(partition, tree, options.mode);
   content.root = tree.root;

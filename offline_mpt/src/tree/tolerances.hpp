@@ -9,6 +9,9 @@ namespace polyfly::tolerance {
 /// Planes that differ by less are written once [scaled].
 constexpr double kSamePlane = kDefaultRadiusTolerance / 10.0;
 
+/// The same where rows of the program nearly repeat each other, whose regions may be thinner [scaled].
+constexpr double kSamePlaneOfNearRows = kSamePlane / 100.0;
+
 /// A law that is written for several regions differs from the law of each in the box by less, relative to max(1, |u|).
 /// Proofs allow twice as much.
 constexpr double kSharedLaw = 5e-9;
@@ -35,6 +38,11 @@ constexpr double kSameAsBox = 1e-12;
 
 /// Where no member reaches further across a plane, the cell would have a flat side [scaled].
 constexpr double kFlatCell = 1e-7;
+
+/// Least radius of a ball in each cell, where rows of the program nearly repeat each other: three planes that nearly share
+/// a line would enclose cells as thin as the noise of the rows. By rounding, parameters arrive beyond such a cell at a
+/// distance of its diameter times kMissedPlane over this radius: about kMembership [scaled].
+constexpr double kLeastCell = kMissedPlane / kMembership;
 
 /// Planes at a smaller angle that cross in the box leave an edge of a cell. By rounding, parameters may arrive beyond it at
 /// a distance of kMissedPlane over the angle, and more where several planes meet. No candidate need hold them beyond

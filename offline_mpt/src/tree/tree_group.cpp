@@ -20,6 +20,7 @@ void TreeGroup::begin(const TreeRegions& regions, const TreeOptions& options) {
   out.put(options.planes_tried);
   out.put(options.all_rows);
   out.put(options.side_tolerance);
+  out.put(options.least_cell);
   exchange_.begin(task);
 }
 
@@ -40,6 +41,7 @@ TreeTask readTask(const std::vector<std::byte>& bytes) {
   task.options.planes_tried = in.get<std::uint64_t>();
   task.options.all_rows = in.get<bool>();
   task.options.side_tolerance = in.get<double>();
+  task.options.least_cell = in.get<double>();
   return task;
 }
 

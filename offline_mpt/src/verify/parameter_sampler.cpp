@@ -4,7 +4,9 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <vector>
 
+#include "lp/rational_polytope.hpp"
 #include "region_maps/region_map.hpp"
 #include "verify/interior_point_qp.hpp"
 #include "verify/tolerances.hpp"
@@ -89,7 +91,24 @@ double ParameterSampler::gatherRows(std::uint64_t index) {
     return std::numeric_limits<double>::quiet_NaN();
   }
   centre_ = solution.z.head(p);
-  return solution.z[p];
+  const double radius = solution.z[p];
+  return std::abs(radius) <= tolerance::kInteriorPointAccuracy ? exactRadius(A, radius) : radius;
+}
+
+// The greatest r with A (t, r) <= bounds_, about `radius`. So small a radius is less than the error of the program above.
+double ParameterSampler::exactRadius(const Eigen::MatrixXd& A, double radius) const {
+  const Eigen::Index width = A.cols() + 1;
+  std::vector<double> rows;
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    for (Eigen::Index j = 0; j + 1 < width; ++j) rows.push_back(A(i, j));
+    rows.push_back(bounds_[i]);
+  }
+  std::vector<double> start(centre_.data(), centre_.data() + centre_.size());
+  start.push_back(radius - 2.0 * tolerance::kInteriorPointAccuracy);
+  std::vector<double> direction(start.size(), 0.0), point(start.size());
+  direction.back() = 1.0;
+  RationalPolytope polytope(static_cast<int>(A.cols()), rows.data(), static_cast<int>(A.rows()));
+  return polytope.maximise(start.data(), direction.data(), point.data()) ? point.back() : radius;
 }
 
 // Moves t along a direction to the nearest face, whose number is returned in `face`; -1 if there is none.

@@ -32,6 +32,7 @@ class ParameterSampler {
   std::uint64_t below(std::uint64_t count);
   Eigen::VectorXd direction();
   double gatherRows(std::uint64_t region);
+  double exactRadius(const Eigen::MatrixXd& A, double radius) const;
   double walk(Eigen::VectorXd& t, const Eigen::VectorXd& along, Eigen::Index& face) const;
   Sample toParameters(const Eigen::VectorXd& t, double radius) const;
 

@@ -7,6 +7,7 @@
 
 #include "certify/facet_cover.hpp"
 #include "certify/farkas_proof.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -44,6 +45,7 @@ class CellPartitioner {
       : map_(map), visit_(visit), log_(log) {}
 
   bool descend(std::uint32_t child, const Cell& cell) {
+    const ProofWriter::Nested nested(log_);
     const std::uint32_t index = child & ~MapContent::kLeaf;
     if ((child & MapContent::kLeaf) != 0) {
       log_.countPart();
@@ -90,6 +92,7 @@ class Subtractor {
   /// The region that holds the cell's point is cut away, row by row; if none does, the cell is divided by
   /// those that reach into it.
   bool run(Cell cell, const std::vector<std::uint32_t>& left) {
+    const ProofWriter::Nested nested(log_);
     log_.countPart();
     const auto holder =
         std::find_if(left.begin(), left.end(), [&](std::uint32_t r) { return holds(r, cell); });
@@ -253,6 +256,14 @@ bool makeCertain(const ExactMap& map, ExactCell& cell) {
   cell.point = std::move(interior.point);
   cell.certain = interior.exists;
   return cell.certain;
+}
+
+ProofWriter::Nested::Nested(ProofWriter& log) : log_(log) {
+  if (log.wanted_ && log.depth_ >= kDeepestCuts) {
+    throw Error(log.subject_ + ": its proof nests " + std::to_string(kDeepestCuts) +
+                " cuts, which no certificate may have: prove the reduction without one");
+  }
+  ++log.depth_;
 }
 
 void ProofWriter::word(char word) {

@@ -72,11 +72,28 @@ struct ExactCell {
   bool certain = true;
 };
 
+/// Cuts of a proof are nested less deeply. The checker refuses others.
+constexpr int kDeepestCuts = 2000;
+
 /// What cutting leaves behind: how many parts were looked at and, where it is wanted, the proof in the words
 /// of CERTIFICATE.md.
 class ProofWriter {
  public:
-  explicit ProofWriter(bool wanted = false) : wanted_(wanted) {}
+  ProofWriter() = default;
+  /// A proof is wanted of `subject`, which errors begin with.
+  explicit ProofWriter(std::string subject) : wanted_(true), subject_(std::move(subject)) {}
+
+  /// While it lives, what is written is one cut deeper. Throws Error where a certificate may not be as deep.
+  class Nested {
+   public:
+    explicit Nested(ProofWriter& log);
+    ~Nested() { --log_.depth_; }
+    Nested(const Nested&) = delete;
+    Nested& operator=(const Nested&) = delete;
+
+   private:
+    ProofWriter& log_;
+  };
 
   void countPart() { ++parts_; }
   void word(char word);
@@ -88,7 +105,9 @@ class ProofWriter {
   std::string takeText() { return std::move(text_); }
 
  private:
-  bool wanted_;
+  bool wanted_ = false;
+  std::string subject_;
+  int depth_ = 0;
   std::uint64_t parts_ = 0;
   std::string text_;
 };

@@ -79,8 +79,6 @@ class LawTable {
 
 /// What came of one region.
 struct Finding {
-  explicit Finding(bool wants_proof = false) : log(wants_proof) {}
-
   std::vector<ReductionDefect> defects;
   ProofWriter log;
   bool flat = false;
@@ -114,7 +112,7 @@ class ReductionProof {
   /// `near`: slivers, which may be long, are looked for in regions of the original no farther from their
   /// point.
   Finding checkOriginal(std::uint32_t region, double near) const {
-    Finding finding(wants_certificate_);
+    Finding finding = started(original_, region);
     ExactCell cell;
     if (!cellOf(original_, region, cell)) return flat(cell, std::move(finding));
     const std::uint32_t law = original_.map().region(region).law;
@@ -140,7 +138,7 @@ class ReductionProof {
   }
 
   Finding checkReduced(std::uint32_t region, double near) const {
-    Finding finding(wants_certificate_);
+    Finding finding = started(reduced_, region);
     ExactCell cell;
     if (!cellOf(reduced_, region, cell)) return flat(cell, std::move(finding));
     const auto claim = [&](const ExactCell& part) { return belongs(region, part, near, finding); };
@@ -157,6 +155,13 @@ class ReductionProof {
       return subtract(reduced_, part, ordinary, CutBy::kOrdinary, claim, finding.log);
     };
     dissect(reduced_, cell, check, finding.log);
+    return finding;
+  }
+
+  Finding started(const ExactMap& map, std::uint32_t region) const {
+    Finding finding;
+    if (wants_certificate_)
+      finding.log = ProofWriter(map.map().path() + ": region " + std::to_string(region));
     return finding;
   }
 

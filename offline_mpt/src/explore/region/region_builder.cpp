@@ -22,7 +22,7 @@ BuildStatus statusOf(KktSolver::Outcome outcome) {
 }
 
 // For each row of the program whether it nearly repeats another; empty where none does.
-std::vector<char> nearRows(const NormalisedProgram& program) {
+std::vector<char> findNearRows(const NormalisedProgram& program) {
   std::vector<char> result(static_cast<std::size_t>(program.m), 0);
   bool any = false;
   for (int i = 0; i < program.m; ++i) {
@@ -43,13 +43,14 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
                              double radius_tolerance)
     : program_(program),
       facet_tolerance_(facet_tolerance),
-      radius_tolerance_(radius_tolerance),
+      near_rows_(findNearRows(program)),
+      radius_tolerance_(near_rows_.empty() ? radius_tolerance
+                                           : std::min(radius_tolerance, tolerance::kNearRowRadius)),
       width_(program.p + 1),
       tables_(program),
       factor_(program, tables_),
       rounded_(makeKktSolver(program, tables_, factor_)),
       accurate_(program),
-      near_rows_(nearRows(program)),
       kkt_(rounded_.get()),
       reach_((1.0 + tolerance::kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),

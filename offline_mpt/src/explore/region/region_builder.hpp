@@ -94,6 +94,9 @@ class RegionBuilder {
 
   unsigned long long pivots() const { return solver_.pivots(); }
 
+  /// Whether each row of the program nearly repeats another one; empty where none does.
+  const std::vector<char>& nearRows() const { return near_rows_; }
+
  private:
   BuildStatus solve(const ActiveSet& active);
   BuildStatus solveAccurately(const ActiveSet& active);
@@ -130,6 +133,8 @@ class RegionBuilder {
 
   const NormalisedProgram& program_;
   double facet_tolerance_;
+  // Whether each row of the program nearly repeats another; empty where none does.
+  std::vector<char> near_rows_;
   double radius_tolerance_;
   int width_;  // p + 1
   RowTables tables_;
@@ -137,8 +142,6 @@ class RegionBuilder {
   // Solves in doubles. factor_ is brought to the set before.
   std::unique_ptr<ProgramKktSolver> rounded_;
   HighPrecisionRegionSolver accurate_;
-  // Whether each row of the program nearly repeats another; empty where none does.
-  std::vector<char> near_rows_;
   // Which of the two solved the set.
   const KktSolver* kkt_;
   std::vector<double> multipliers_;  // k x (p + 1)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "offline_mpt/explore_options.hpp"
 #include "program/tolerances.hpp"
 
 /// Tolerances of the exploration.
@@ -53,7 +54,11 @@ constexpr double kOppositeProduct = 1e-6 - 1.0;
 constexpr double kClearSlack = 1e-4;
 
 /// Rows that differ by less nearly repeat each other.
-constexpr double kNearRow = 1e-6;
+constexpr double kNearRow = 1e-5;
+
+/// Greatest radius of a region that is left to its neighbours where rows nearly repeat each other. There such regions lie
+/// between the planes of the search tree, thousands of times as long as they are wide [scaled].
+constexpr double kNearRowRadius = kDefaultRadiusTolerance / 100.0;
 
 /// How far beyond the half-space of such a row a point is looked for [scaled].
 constexpr double kNearRowReach = 1.0;
