@@ -46,9 +46,9 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
               match.difference.get_d(), match.rows);
   if (match.invariance_rows > 0)
     std::printf(
-        "%zu rows more keep the first step in a set within all bounds, which is robustly invariant as long "
-        "as the references stay; that no greater set is so is not confirmed\n",
-        match.invariance_rows);
+        "%zu rows more keep a step in a set within all bounds, which is robustly invariant as long as the "
+        "references stay; that no greater set is so is %sconfirmed\n",
+        match.invariance_rows, match.is_greatest ? "" : "not ");
 }
 
 void confirm(const checker::Arguments& arguments) {
