@@ -7,6 +7,7 @@
 #include "json_problem.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
+#include "problem/filter_match.hpp"
 #include "problem/program_match.hpp"
 #include "problem/robust_match.hpp"
 #include "problem/signals.hpp"
@@ -19,8 +20,8 @@ constexpr char kUsage[] =
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
 discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
 check_certificate confirms. Problems are YAML files of type tracking_mpc; of type robust_mpc: then the model and all
-rows of the certificate are those of the file; or programs in JSON, of which each number is compared. Names, units and
-ranges of the map's parameters and inputs, and its period, are those of the problem too.
+rows of the certificate are those of the file; of type safety_filter: then the safe set is one, too; or programs in
+JSON, of which each number is compared. Names, units and ranges of the map's parameters and inputs, and its period, are those of the problem too.
 With --problem, MAP must carry the text of that file.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
@@ -51,6 +52,19 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
         match.invariance_rows, match.is_greatest ? "" : "not ");
 }
 
+void confirmFilter(const checker::Certificate& certificate, const std::string& text) {
+  checker::require(certificate.equalities().empty(), "a safety filter has no equalities");
+  const checker::FilterProblem problem = checker::readFilterProblem(text);
+  checker::matchFilter(certificate.program(), problem);
+  checker::confirmSafeSet(problem);
+  std::printf(
+      "confirmed: each number of the program is that of the problem and its safe set\n"
+      "the safe set, of %zu rows, is within the ranges; each of its states has an admissible input, and each "
+      "such "
+      "input leads into the set, with the margin left, for all disturbances and errors\n",
+      problem.H.rows);
+}
+
 void confirm(const checker::Arguments& arguments) {
   const auto map_file = arguments.find("--map"), problem_file = arguments.find("--problem");
   if (map_file == arguments.end()) throw checker::BadUsage("--map is missing");
@@ -68,6 +82,8 @@ void confirm(const checker::Arguments& arguments) {
   } else if (map.kind() == "json") {
     checker::compareProblem(*certificate, map, map.problem);
     std::printf("confirmed: each number of the program is that of the problem\n");
+  } else if (checker::problemType(map.problem) == "safety_filter") {
+    confirmFilter(*certificate, map.problem);
   } else {
     confirmTracking(*certificate, map.problem);
   }

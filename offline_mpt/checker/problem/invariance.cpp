@@ -17,10 +17,11 @@ class Invariance {
       : models_(certificate.models()), problem_(problem), p_(problem.ranges.rows) {}
 
   void confirm(const std::vector<HalfSpace>& set) const {
+    const Polyhedron polyhedron(set);
     for (const HalfSpace& bound : stateBounds())
-      require(holdsWhere(set, bound), "a bound of a state does not hold in all of the invariant set");
+      require(polyhedron.isWithin(bound), "a bound of a state does not hold in all of the invariant set");
     for (const HalfSpace& row : led(set))
-      require(holdsWhere(set, row), "the set that the problem calls invariant is not");
+      require(polyhedron.isWithin(row), "the set that the problem calls invariant is not");
   }
 
   /// A half-space that holds in each invariant set gives further ones: some input must lead into it.
@@ -31,10 +32,11 @@ class Invariance {
       for (const int sign : {1, -1})
         if (!is_error) known.push_back(side(j, sign, {problem_.ranges.at(j, 0), problem_.ranges.at(j, 1)}));
     }
-    const auto is_known = [&](const HalfSpace& row) { return holdsWhere(known, row); };
     for (int step = 0; step < kMostSetSteps; ++step) {
+      const Polyhedron polyhedron(known);
+      const auto is_known = [&](const HalfSpace& row) { return polyhedron.isWithin(row); };
       if (std::all_of(set.begin(), set.end(), is_known)) return true;
-      for (HalfSpace& row : led(known))
+      for (HalfSpace& row : led(polyhedron.rows()))
         if (!is_known(row)) known.push_back(std::move(row));
       if (known.size() > kMostSetRows) return false;
       known = withoutImplied(std::move(known));

@@ -7,17 +7,46 @@
 namespace checker {
 namespace {
 
-constexpr int kMostPivots = 10000;
+// With the most violated row; then with Bland's rule, which ends.
+constexpr int kMostPivots = 1000;
+constexpr int kMostBlandPivots = 100000;
 // Half the width of a box in which maxima are sought. A maximum at its sides proves nothing.
-const Fraction kBox(Integer(1) << 100);
+constexpr double kBox = 0x1p100;
+// Of the method in doubles. Its result is checked.
+constexpr double kQuickFeasible = 1e-13 / kBox;
+constexpr double kQuickPivot = 1e-13;
 
-DualSimplex<Fraction> simplexOf(const std::vector<HalfSpace>& rows, std::size_t size) {
-  Vector normals, limits;
+std::size_t sizeOf(const std::vector<HalfSpace>& rows) {
+  require(!rows.empty(), "a set without half-spaces");
+  return rows[0].a.size();
+}
+
+template <class Number>
+Number numberAs(const Fraction& value);
+template <>
+double numberAs(const Fraction& value) {
+  return value.get_d();
+}
+template <>
+Fraction numberAs(const Fraction& value) {
+  return value;
+}
+
+template <class Number>
+DualSimplex<Number> simplexOf(const std::vector<HalfSpace>& rows) {
+  std::vector<Number> normals, limits;
   for (const HalfSpace& row : rows) {
-    normals.insert(normals.end(), row.a.begin(), row.a.end());
-    limits.push_back(row.bound / kBox);
+    for (const Fraction& value : row.a) normals.push_back(numberAs<Number>(value));
+    limits.push_back(numberAs<Number>(row.bound / Fraction(kBox)));
   }
-  return DualSimplex<Fraction>(std::move(normals), std::move(limits), size);
+  return DualSimplex<Number>(std::move(normals), std::move(limits), sizeOf(rows));
+}
+
+template <class Number>
+std::vector<std::size_t> placesOf(const DualSimplex<Number>& simplex) {
+  std::vector<std::size_t> places;
+  for (const auto& entry : simplex.multipliers(SimplexOutcome::kOptimal)) places.push_back(entry.first);
+  return places;
 }
 
 Fraction productOf(const Vector& a, const Vector& x) {
@@ -35,33 +64,71 @@ Vector timesMatrix(const Vector& v, const Matrix& M) {
   return result;
 }
 
-std::optional<Fraction> greatestOf(const Vector& a, const std::vector<HalfSpace>& rows) {
-  DualSimplex<Fraction> simplex = simplexOf(rows, a.size());
-  const SimplexOutcome outcome = simplex.solve(a, {0, 0, true, kMostPivots});
-  if (outcome != SimplexOutcome::kOptimal) return std::nullopt;
-  Vector rest = a;
-  Fraction bound;
-  for (const auto& [place, weight] : simplex.multipliers(outcome)) {
-    require(weight >= 0, "a multiplier is negative");
-    for (std::size_t j = 0; j < a.size(); ++j) rest[j] -= weight * rows[place].a[j];
-    bound += weight * rows[place].bound;
+std::optional<Vector> weightsOf(const std::vector<Vector>& rows, const Vector& target) {
+  const std::size_t count = rows.size(), size = target.size();
+  std::vector<Vector> system(size);  // one equation for each entry of the target
+  for (std::size_t i = 0; i < size; ++i) {
+    for (const Vector& row : rows) system[i].push_back(row[i]);
+    system[i].push_back(target[i]);
   }
-  const bool is_sum = std::all_of(rest.begin(), rest.end(), [](const Fraction& value) { return value == 0; });
-  return is_sum ? std::optional<Fraction>(bound) : std::nullopt;
+  Vector weights(count);
+  std::size_t used = 0;
+  std::vector<std::size_t> unknowns;
+  for (std::size_t column = 0; column < count && used < size; ++column) {
+    std::size_t pivot = used;
+    while (pivot < size && system[pivot][column] == 0) ++pivot;
+    if (pivot == size) continue;
+    std::swap(system[used], system[pivot]);
+    for (std::size_t i = 0; i < size; ++i) {
+      if (i == used || system[i][column] == 0) continue;
+      const Fraction factor = system[i][column] / system[used][column];
+      for (std::size_t j = column; j <= count; ++j) system[i][j] -= factor * system[used][j];
+    }
+    unknowns.push_back(column);
+    ++used;
+  }
+  for (std::size_t i = used; i < size; ++i)
+    if (system[i][count] != 0) return std::nullopt;
+  for (std::size_t i = 0; i < used; ++i) weights[unknowns[i]] = system[i][count] / system[i][unknowns[i]];
+  return weights;
 }
 
-bool holdsWhere(const std::vector<HalfSpace>& rows, const HalfSpace& target) {
-  const std::optional<Fraction> greatest = greatestOf(target.a, rows);
-  return greatest && *greatest <= target.bound;
+Polyhedron::Polyhedron(std::vector<HalfSpace> rows)
+    : rows_(std::move(rows)), quick_(simplexOf<double>(rows_)), exact_(simplexOf<Fraction>(rows_)) {}
+
+bool Polyhedron::solve(const Vector& a) const {
+  SimplexOutcome outcome = exact_.solve(a, {0, 0, false, kMostPivots});
+  if (outcome == SimplexOutcome::kStopped) outcome = exact_.solve(a, {0, 0, true, kMostBlandPivots});
+  return outcome == SimplexOutcome::kOptimal;
 }
 
-bool hasPoint(const std::vector<HalfSpace>& rows) {
-  if (rows.empty()) return true;
-  DualSimplex<Fraction> simplex = simplexOf(rows, rows[0].a.size());
-  if (simplex.solve(rows[0].a, {0, 0, true, kMostPivots}) != SimplexOutcome::kOptimal) return false;
-  Vector x = simplex.point();
-  for (Fraction& value : x) value *= kBox;
-  return std::all_of(rows.begin(), rows.end(),
+bool Polyhedron::follows(const std::vector<std::size_t>& places, const HalfSpace& target) const {
+  std::vector<Vector> chosen;
+  for (const std::size_t place : places) chosen.push_back(rows_[place].a);
+  const std::optional<Vector> weights = weightsOf(chosen, target.a);
+  if (!weights) return false;
+  Fraction bound;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if ((*weights)[k] < 0) return false;
+    bound += (*weights)[k] * rows_[places[k]].bound;
+  }
+  return bound <= target.bound;
+}
+
+bool Polyhedron::isWithin(const HalfSpace& target) const {
+  std::vector<double> function;
+  for (const Fraction& value : target.a) function.push_back(value.get_d());
+  if (quick_.solve(function, {kQuickFeasible, kQuickPivot, false, kMostPivots}) == SimplexOutcome::kOptimal &&
+      follows(placesOf(quick_), target))
+    return true;
+  return solve(target.a) && follows(placesOf(exact_), target);
+}
+
+bool Polyhedron::hasPoint() const {
+  if (!solve(rows_[0].a)) return false;
+  Vector x = exact_.point();
+  for (Fraction& value : x) value *= Fraction(kBox);
+  return std::all_of(rows_.begin(), rows_.end(),
                      [&](const HalfSpace& row) { return productOf(row.a, x) <= row.bound; });
 }
 
@@ -83,10 +150,10 @@ std::vector<HalfSpace> withoutEntry(const std::vector<HalfSpace>& rows, std::siz
 }
 
 std::vector<HalfSpace> withoutImplied(std::vector<HalfSpace> rows) {
-  for (std::size_t k = rows.size(); k-- > 0;) {
-    HalfSpace row = std::move(rows[k]);
-    rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(k));
-    if (!holdsWhere(rows, row)) rows.insert(rows.begin() + static_cast<std::ptrdiff_t>(k), std::move(row));
+  for (std::size_t k = rows.size(); rows.size() > 1 && k-- > 0;) {
+    std::vector<HalfSpace> others = rows;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    if (Polyhedron(others).isWithin(rows[k])) rows = std::move(others);
   }
   return rows;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/program.hpp"
+#include "dual_simplex.hpp"
 
 /// Half-spaces in fractions. An exact simplex method finds multipliers; what counts is that they are checked.
 namespace checker {
@@ -17,14 +18,30 @@ struct HalfSpace {
 /// v M
 Vector timesMatrix(const Vector& v, const Matrix& M);
 
-/// An upper bound of a . x where all rows hold, by multipliers >= 0 whose sum of rows is a. None where none are found.
-std::optional<Fraction> greatestOf(const Vector& a, const std::vector<HalfSpace>& rows);
+/// Weights whose sum of rows is the target. None where none are found; others are possible where rows depend on each other.
+std::optional<Vector> weightsOf(const std::vector<Vector>& rows, const Vector& target);
 
-/// Whether the half-space holds where all rows do, by such multipliers.
-bool holdsWhere(const std::vector<HalfSpace>& rows, const HalfSpace& target);
+/// The set where all of some rows hold, at least one.
+class Polyhedron {
+ public:
+  explicit Polyhedron(std::vector<HalfSpace> rows);
 
-/// Whether some x meets all rows: one that is found and substituted.
-bool hasPoint(const std::vector<HalfSpace>& rows);
+  /// Whether the half-space holds in all of the set: there are multipliers >= 0 whose sum of rows has its a, and at most its
+  /// bound. A simplex method in doubles finds rows that give it; where they do not, an exact one decides.
+  bool isWithin(const HalfSpace& target) const;
+  /// Whether some x meets all rows: one that is found and substituted.
+  bool hasPoint() const;
+
+  const std::vector<HalfSpace>& rows() const { return rows_; }
+
+ private:
+  bool follows(const std::vector<std::size_t>& places, const HalfSpace& target) const;
+  bool solve(const Vector& a) const;
+
+  std::vector<HalfSpace> rows_;
+  mutable DualSimplex<double> quick_;
+  mutable DualSimplex<Fraction> exact_;
+};
 
 /// What the other entries of x must meet so that entry `place` can be chosen: each upper bound of it with each lower one.
 /// The entry stays, with factor 0.

@@ -69,28 +69,16 @@ std::string keyOf(const PlanRow& row) {
   return bound.get_str(16) + rest;
 }
 
-/// Solves a A = c for a; throws Refused where A is singular.
+/// a with a A = c; throws Refused where A is singular.
 Vector solvedFromLeft(const Matrix& A, const Vector& c) {
-  const std::size_t n = A.rows;
-  std::vector<Vector> system(n);  // A' a = c
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) system[i].push_back(A.at(j, i));
-    system[i].push_back(c[i]);
+  std::vector<Vector> rows;
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    const auto begin = A.entries.begin() + static_cast<std::ptrdiff_t>(i * A.columns);
+    rows.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(A.columns));
   }
-  for (std::size_t column = 0; column < n; ++column) {
-    std::size_t pivot = column;
-    while (pivot < n && system[pivot][column] == 0) ++pivot;
-    require(pivot < n, "the model cannot be inverted, so rows of the invariant set are not recognised");
-    std::swap(system[column], system[pivot]);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == column || system[i][column] == 0) continue;
-      const Fraction factor = system[i][column] / system[column][column];
-      for (std::size_t j = column; j <= n; ++j) system[i][j] -= factor * system[column][j];
-    }
-  }
-  Vector a;
-  for (std::size_t i = 0; i < n; ++i) a.emplace_back(system[i][n] / system[i][i]);
-  return a;
+  const std::optional<Vector> weights = weightsOf(rows, c);
+  require(weights.has_value(), "a row of the certificate is none of the problem");
+  return *weights;
 }
 
 /// The rows of a problem, by the closed form of the prediction:
