@@ -19,9 +19,10 @@ constexpr char kUsage[] =
     R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
 discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
-check_certificate confirms. Problems are YAML files of type tracking_mpc; of type robust_mpc: then the model and all
-rows of the certificate are those of the file; of type safety_filter: then the safe set is one, too; or programs in
-JSON, of which each number is compared. Names, units and ranges of the map's parameters and inputs, and its period, are those of the problem too.
+check_certificate confirms. Of a YAML file of type robust_mpc, the model and all rows of the certificate are those of
+the file, and its invariant set is one. Of type safety_filter, the safe set is one, and answers in it keep the state
+there. Of a program in JSON, each number is compared. Names, units and ranges of the map's parameters and inputs, and
+its period, are those of the problem too.
 With --problem, MAP must carry the text of that file.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
@@ -52,16 +53,19 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
         match.invariance_rows, match.is_greatest ? "" : "not ");
 }
 
-void confirmFilter(const checker::Certificate& certificate, const std::string& text) {
+void confirmFilter(const checker::Certificate& certificate, const checker::Map& map) {
   checker::require(certificate.equalities().empty(), "a safety filter has no equalities");
-  const checker::FilterProblem problem = checker::readFilterProblem(text);
+  const checker::FilterProblem problem = checker::readFilterProblem(map.problem);
   checker::matchFilter(certificate.program(), problem);
   checker::confirmSafeSet(problem);
+  checker::confirmAnswers(problem, map);
   std::printf(
       "confirmed: each number of the program is that of the problem and its safe set\n"
-      "the safe set, of %zu rows, is within the ranges; each of its states has an admissible input, and each "
+      "safe set, %zu rows: it is within the ranges, each of its states has an admissible input, and each "
       "such "
-      "input leads into the set, with the margin left, for all disturbances and errors\n",
+      "input leads into it, for all disturbances and errors\n"
+      "answers in the safe set: none needs more than the margin, and an admissible wish comes back "
+      "unchanged\n",
       problem.H.rows);
 }
 
@@ -83,7 +87,7 @@ void confirm(const checker::Arguments& arguments) {
     checker::compareProblem(*certificate, map, map.problem);
     std::printf("confirmed: each number of the program is that of the problem\n");
   } else if (checker::problemType(map.problem) == "safety_filter") {
-    confirmFilter(*certificate, map.problem);
+    confirmFilter(*certificate, map);
   } else {
     confirmTracking(*certificate, map.problem);
   }

@@ -49,6 +49,10 @@ std::vector<std::size_t> placesOf(const DualSimplex<Number>& simplex) {
   return places;
 }
 
+bool isZero(const Vector& values) {
+  return std::all_of(values.begin(), values.end(), [](const Fraction& value) { return value == 0; });
+}
+
 Fraction productOf(const Vector& a, const Vector& x) {
   Fraction sum;
   for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * x[j];
@@ -102,26 +106,49 @@ bool Polyhedron::solve(const Vector& a) const {
   return outcome == SimplexOutcome::kOptimal;
 }
 
-bool Polyhedron::follows(const std::vector<std::size_t>& places, const HalfSpace& target) const {
+std::optional<Fraction> Polyhedron::boundBy(const std::vector<std::size_t>& places, const Vector& a) const {
   std::vector<Vector> chosen;
   for (const std::size_t place : places) chosen.push_back(rows_[place].a);
-  const std::optional<Vector> weights = weightsOf(chosen, target.a);
-  if (!weights) return false;
+  const std::optional<Vector> weights = weightsOf(chosen, a);
+  if (!weights) return std::nullopt;
   Fraction bound;
   for (std::size_t k = 0; k < places.size(); ++k) {
-    if ((*weights)[k] < 0) return false;
+    if ((*weights)[k] < 0) return std::nullopt;
     bound += (*weights)[k] * rows_[places[k]].bound;
   }
-  return bound <= target.bound;
+  return bound;
+}
+
+std::optional<Fraction> Polyhedron::quickly(const Vector& a) const {
+  std::vector<double> function;
+  for (const Fraction& value : a) function.push_back(value.get_d());
+  const SimplexOutcome outcome = quick_.solve(function, {kQuickFeasible, kQuickPivot, false, kMostPivots});
+  return outcome == SimplexOutcome::kOptimal ? boundBy(placesOf(quick_), a) : std::nullopt;
+}
+
+std::optional<Fraction> Polyhedron::greatest(const Vector& a) const {
+  const std::optional<Fraction> quick = quickly(a);
+  if (quick) return quick;
+  return solve(a) ? boundBy(placesOf(exact_), a) : std::nullopt;
 }
 
 bool Polyhedron::isWithin(const HalfSpace& target) const {
-  std::vector<double> function;
-  for (const Fraction& value : target.a) function.push_back(value.get_d());
-  if (quick_.solve(function, {kQuickFeasible, kQuickPivot, false, kMostPivots}) == SimplexOutcome::kOptimal &&
-      follows(placesOf(quick_), target))
-    return true;
-  return solve(target.a) && follows(placesOf(exact_), target);
+  const std::optional<Fraction> quick = quickly(target.a);
+  if (quick && *quick <= target.bound) return true;
+  const std::optional<Fraction> exact = solve(target.a) ? boundBy(placesOf(exact_), target.a) : std::nullopt;
+  return exact && *exact <= target.bound;
+}
+
+bool Polyhedron::isEmpty() const {
+  if (exact_.solve(rows_[0].a, {0, 0, true, kMostBlandPivots}) != SimplexOutcome::kInfeasible) return false;
+  Vector sum(rows_[0].a.size());
+  Fraction bound;
+  for (const auto& [place, weight] : exact_.multipliers(SimplexOutcome::kInfeasible)) {
+    require(weight >= 0, "a multiplier is negative");
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += weight * rows_[place].a[j];
+    bound += weight * rows_[place].bound;
+  }
+  return bound < 0 && isZero(sum);
 }
 
 bool Polyhedron::hasPoint() const {

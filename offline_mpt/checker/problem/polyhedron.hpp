@@ -26,16 +26,21 @@ class Polyhedron {
  public:
   explicit Polyhedron(std::vector<HalfSpace> rows);
 
-  /// Whether the half-space holds in all of the set: there are multipliers >= 0 whose sum of rows has its a, and at most its
-  /// bound. A simplex method in doubles finds rows that give it; where they do not, an exact one decides.
+  /// An upper bound of a . x in the set: that of multipliers >= 0 whose sum of rows is a. None where none are found. A
+  /// simplex method in doubles finds the rows; where their exact multipliers are not such, an exact one does.
+  std::optional<Fraction> greatest(const Vector& a) const;
+  /// Whether the half-space holds in all of the set, by the same.
   bool isWithin(const HalfSpace& target) const;
+  /// Whether no x meets all rows: multipliers >= 0 contradict.
+  bool isEmpty() const;
   /// Whether some x meets all rows: one that is found and substituted.
   bool hasPoint() const;
 
   const std::vector<HalfSpace>& rows() const { return rows_; }
 
  private:
-  bool follows(const std::vector<std::size_t>& places, const HalfSpace& target) const;
+  std::optional<Fraction> boundBy(const std::vector<std::size_t>& places, const Vector& a) const;
+  std::optional<Fraction> quickly(const Vector& a) const;
   bool solve(const Vector& a) const;
 
   std::vector<HalfSpace> rows_;

@@ -5,10 +5,16 @@
 #include <utility>
 #include <vector>
 
+#include "../../test/map_in_memory.hpp"
+#include "../../test/mutation.hpp"
 #include "../../test/program_matrices.hpp"
 #include "made_filters.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
 #include "problem/filter_match.hpp"
 #include "problem/polyhedron.hpp"
+#include "problem/signals.hpp"
+#include "safety_filter/prove_filter.hpp"
 #include "safety_filter/safe_set.hpp"
 
 namespace polyfly {
@@ -233,6 +239,106 @@ TEST(FilterProblemChecker, RefusesFilesThatItDoesNotKnow) {
     EXPECT_NE(refusal(from, to), "") << from << " " << to;
 }
 
+MapContent mapOf(const SafetyFilterProblem& problem) {
+  const ParametricProgram program = filterProgram(problem);
+  return encode(program, explore(program));
+}
+
+/// Why answers of a map are refused.
+std::string refusalOfMap(const MapContent& content, const FilterProblem& problem) {
+  try {
+    const checker::Map map(bytesOf(content));
+    checker::confirmAnswers(problem, map);
+  } catch (const checker::Refused& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Margins between which the prover changes its mind, by vertices instead of multipliers.
+TEST(FilterProblemChecker, AnswersAreThoseThatTheProofAllows) {
+  int confirmed = 0;
+  for (const double delay : {0.0, 0.02}) {
+    for (const double margin : {1e-8, 1e-4}) {
+      MadeFilter made = uncertainFilter(delay);
+      made.period = 0.1;
+      made.margin = margin;
+      const SafetyFilterProblem problem = withItsSet(made.text());
+      const MapContent content = mapOf(problem);
+      const FilterAnswers proven = proveAnswers(MapInMemory(content).map(), problem);
+      const std::string refusal = refusalOfMap(content, checker::readFilterProblem(problem.text));
+      EXPECT_EQ(refusal.empty(), proven.hold()) << delay << " " << margin << " " << proven.used << refusal;
+      confirmed += refusal.empty() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(confirmed, 0);
+  EXPECT_LT(confirmed, 4);
+}
+
+TEST(FilterProblemChecker, RefusesAnswersThatNeedMoreThanTheMargin) {
+  MadeFilter made = uncertainFilter(0.0);
+  made.period = 0.3;
+  const SafetyFilterProblem problem = withItsSet(made.text());
+  const FilterProblem read = checker::readFilterProblem(problem.text);
+  const MapContent right = mapOf(problem);
+  ASSERT_EQ(refusalOfMap(right, read), "");
+  // Far inside of the set, most regions have no state.
+  FilterProblem inner = read;
+  for (mpq_class& entry : inner.k.entries) entry /= 4;
+  EXPECT_EQ(refusalOfMap(right, inner), "");
+  const std::size_t columns = 4, laws = right.laws.size() / columns;
+  for (std::size_t law = 0; law < laws; ++law) {
+    const auto refused = [&](double change) {
+      MapContent wrong = right;
+      wrong.laws[law * columns + 3] += change;
+      return !refusalOfMap(wrong, read).empty();
+    };
+    // One sign leads outwards. At the range of the input the actuator ends too, so neither may.
+    const double* row = &right.laws[law * columns];
+    const bool is_constant = row[0] == 0.0 && row[1] == 0.0 && row[2] == 0.0;
+    EXPECT_TRUE(is_constant || refused(1e-3) || refused(-1e-3)) << law;
+  }
+  FilterProblem tight = read;
+  tight.margin = 1e-12;
+  EXPECT_NE(refusalOfMap(right, tight).find("needs more than the margin"), std::string::npos);
+  MapContent wrong = right;
+  for (std::size_t law = 0; law < laws; ++law) {
+    double& slope = wrong.laws[law * columns + 2];
+    if (slope == 1.0) slope = 1.0 - 0x1p-53;
+  }
+  EXPECT_NE(refusalOfMap(wrong, read).find("wish comes back changed"), std::string::npos);
+}
+
+std::string refusalOfSignals(const MapContent& content) {
+  try {
+    const checker::Map map(bytesOf(content));
+    checker::matchSignals(map, map.problem);
+  } catch (const checker::Refused& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FilterProblemChecker, RefusesOtherSignals) {
+  MadeFilter made = uncertainFilter(0.05);
+  made.margin = 1e-4;
+  made.period = 0.1;
+  const SafetyFilterProblem problem = withItsSet(made.text());
+  const MapContent right = mapOf(problem);
+  ASSERT_EQ(refusalOfSignals(right), "");
+  const auto with = [&](auto change) {
+    MapContent changed = right;
+    change(changed);
+    return refusalOfSignals(changed);
+  };
+  EXPECT_NE(with([](MapContent& map) { map.parameters[2].name = "a_befor"; }).find("in the place of"),
+            std::string::npos);
+  EXPECT_NE(with([](MapContent& map) { map.parameters[3].unit = "m"; }).find("unit"), std::string::npos);
+  EXPECT_NE(with([](MapContent& map) { map.parameters[3].upper += 1e-9; }).find("range"), std::string::npos);
+  EXPECT_NE(with([](MapContent& map) { map.inputs[0].lower -= 1e-9; }).find("range"), std::string::npos);
+  EXPECT_NE(with([](MapContent& map) { map.period *= 2; }).find("period"), std::string::npos);
+}
+
 /// Half-spaces of polygons: a touching one holds, one that cuts off 1e-9 does not; of a halved set nothing is known.
 TEST(FilterProblemChecker, MultipliersDecideExactly) {
   using checker::HalfSpace;
@@ -248,7 +354,12 @@ TEST(FilterProblemChecker, MultipliersDecideExactly) {
     EXPECT_FALSE(polyhedron.isWithin({{-1, 0}, -mpq_class(shift)}));
   }
   EXPECT_FALSE(checker::Polyhedron({{{1, 0}, 0}, {{0, 1}, 0}}).isWithin({{-1, 0}, 1000000}));
-  EXPECT_FALSE(checker::Polyhedron({{{1, 0}, 0}, {{-1, 0}, -1}}).hasPoint());
+  const checker::Polyhedron empty({{{1, 0}, 0}, {{-1, 0}, -1}});
+  EXPECT_FALSE(empty.hasPoint());
+  EXPECT_TRUE(empty.isEmpty());
+  const checker::Polyhedron line({{{1, 0}, 0}, {{-1, 0}, 0}});
+  EXPECT_TRUE(line.hasPoint());
+  EXPECT_FALSE(line.isEmpty());
   const std::vector<HalfSpace> shadow = checker::withoutImplied(checker::withoutEntry(triangle, 1));
   EXPECT_EQ(shadow.size(), 2u);
   EXPECT_TRUE(checker::Polyhedron(shadow).isWithin({{1, 0}, mpq_class(1, 9)}));
