@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/lookups.hpp"
+#include "core/tags.hpp"
 
 namespace checker {
 namespace {
@@ -51,8 +52,8 @@ void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& 
 void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const {
   require(cell.size() < kMostCellRows, "a cover is nested too deeply");
   const std::string kind = line.word();
-  if (kind == "e") return requireEmpty(line, cell, nullptr);
-  if (kind == "b" && by.boundary) {
+  if (kind == tag::kEmpty) return requireEmpty(line, cell, nullptr);
+  if (kind == tag::kCutByBoundary && by.boundary) {
     const std::size_t region = line.count(map_.regions.size() - 1), facet = line.count(kMany);
     const std::int32_t signed_row = rowOf(region, facet);
     require(regions_[region].facets[facet].is_boundary, "a cut by what is no boundary");
@@ -60,7 +61,7 @@ void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy
     cell.push_back(&row);
     return checkCover(line, cell, by);
   }
-  require(kind == "N", kind + " covers nothing");
+  require(kind == tag::kCutByRegion, kind + " covers nothing");
   const std::size_t place = line.count(kMany);
   require(place < candidates_.size(), "a part is left to what is no candidate");
   const std::size_t region = candidates_[place];
@@ -114,12 +115,7 @@ void Lookups::checkStart(Line& line) {
   for (const Fraction& value : point) require(abs(value) < 1, "the starting point lies outside of the box");
   for (const Row& row : conditions(candidates_[place]))
     require(valueAt(row, point) > 0, "the starting point does not lie inside");
-  const auto at_point = [&](std::int32_t row) {
-    const Vector values = mapRow(row);
-    Fraction value = values.back();
-    for (std::size_t j = 0; j < map_.p; ++j) value += values[j] * point[j];
-    return value;
-  };
+  const auto at_point = [&](std::int32_t row) { return valueAt(mapRow(row), point); };
   Fraction deep(1), greatest, error;
   for (const std::int32_t row : path_) deep = std::min(deep, at_point(row));
   for (std::size_t k = 0; k < candidates_.size(); ++k) {

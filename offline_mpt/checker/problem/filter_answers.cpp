@@ -2,16 +2,13 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/rows.hpp"
+#include "core/lookups.hpp"
 #include "problem/filter_match.hpp"
 #include "problem/filter_model.hpp"
 #include "problem/polyhedron.hpp"
 
 namespace checker {
 namespace {
-
-// A look-up answers where no half-space of the region is violated by more tolerances (offline_mpt/CERTIFICATE.md, 6).
-constexpr int kLookupReach = 8;
 
 class Answers {
  public:
@@ -64,7 +61,7 @@ class Answers {
       const double* plane =
           map_.planes.data() + (static_cast<std::size_t>(std::abs(map_.rows[i])) - 1) * (p_ + 1);
       const int sign = map_.rows[i] > 0 ? 1 : -1;
-      rows.push_back({Vector(p_), sign * Fraction(plane[p_]) + kLookupReach * Fraction(map_.tolerance)});
+      rows.push_back({Vector(p_), sign * Fraction(plane[p_]) + kReach * Fraction(map_.tolerance)});
       for (std::size_t j = 0; j < p_; ++j) rows.back().a[j] = sign * Fraction(plane[j]);
     }
     return Polyhedron(std::move(rows));

@@ -5,6 +5,7 @@
 
 #include "core/program.hpp"
 #include "dual_simplex.hpp"
+#include "dual_simplex.hpp"
 
 /// Half-spaces in fractions. An exact simplex method finds multipliers; what counts is that they are checked.
 namespace checker {
