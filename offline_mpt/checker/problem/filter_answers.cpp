@@ -46,7 +46,7 @@ class Answers {
 
   /// Where a look-up may answer with the region, and the state is in the safe set.
   Polyhedron reachOf(const Map::Region& region) const {
-    std::vector<HalfSpace> rows;
+    std::vector<ExactHalfSpace> rows;
     for (std::size_t j = 0; j < p_; ++j) {
       for (const int sign : {1, -1}) {
         rows.push_back({Vector(p_), Fraction(sign > 0 ? map_.bounds[2 * j + 1] : -map_.bounds[2 * j])});
@@ -89,7 +89,7 @@ class Answers {
     Vector errors;
     for (std::size_t j = 0; j < nu_; ++j) errors.push_back(errorOf(reach, lawOf(r, j), problem_.inputs[j]));
     for (std::size_t i = 0; i < problem_.G.rows; ++i) {
-      HalfSpace row{Vector(p_), problem_.b.at(i, 0)};
+      ExactHalfSpace row{Vector(p_), problem_.b.at(i, 0)};
       bool has_input = false;
       for (std::size_t j = 0; j < nu_; ++j) {
         const Fraction& weight = problem_.G.at(i, j);

@@ -16,7 +16,7 @@ constexpr double kBox = 0x1p100;
 constexpr double kQuickFeasible = 1e-13 / kBox;
 constexpr double kQuickPivot = 1e-13;
 
-std::size_t sizeOf(const std::vector<HalfSpace>& rows) {
+std::size_t sizeOf(const std::vector<ExactHalfSpace>& rows) {
   require(!rows.empty(), "a set without half-spaces");
   return rows[0].a.size();
 }
@@ -33,9 +33,9 @@ Fraction numberAs(const Fraction& value) {
 }
 
 template <class Number>
-DualSimplex<Number> simplexOf(const std::vector<HalfSpace>& rows) {
+DualSimplex<Number> simplexOf(const std::vector<ExactHalfSpace>& rows) {
   std::vector<Number> normals, limits;
-  for (const HalfSpace& row : rows) {
+  for (const ExactHalfSpace& row : rows) {
     for (const Fraction& value : row.a) normals.push_back(numberAs<Number>(value));
     limits.push_back(numberAs<Number>(row.bound / Fraction(kBox)));
   }
@@ -102,7 +102,7 @@ struct Polyhedron::Search {
   DualSimplex<Fraction> exact;
 };
 
-Polyhedron::Polyhedron(std::vector<HalfSpace> rows)
+Polyhedron::Polyhedron(std::vector<ExactHalfSpace> rows)
     : rows_(std::move(rows)), search_(new Search{simplexOf<double>(rows_), simplexOf<Fraction>(rows_)}) {}
 
 Polyhedron::Polyhedron(Polyhedron&& other) noexcept = default;
@@ -141,7 +141,7 @@ std::optional<Fraction> Polyhedron::greatest(const Vector& a) const {
   return solve(a) ? boundBy(placesOf(search_->exact), a) : std::nullopt;
 }
 
-bool Polyhedron::isWithin(const HalfSpace& target) const {
+bool Polyhedron::isWithin(const ExactHalfSpace& target) const {
   const std::optional<Fraction> quick = quickly(target.a);
   if (quick && *quick <= target.bound) return true;
   const std::optional<Fraction> exact =
@@ -167,18 +167,18 @@ bool Polyhedron::hasPoint() const {
   Vector x = search_->exact.point();
   for (Fraction& value : x) value *= Fraction(kBox);
   return std::all_of(rows_.begin(), rows_.end(),
-                     [&](const HalfSpace& row) { return productOf(row.a, x) <= row.bound; });
+                     [&](const ExactHalfSpace& row) { return productOf(row.a, x) <= row.bound; });
 }
 
-std::vector<HalfSpace> withoutEntry(const std::vector<HalfSpace>& rows, std::size_t place) {
-  std::vector<HalfSpace> result;
-  for (const HalfSpace& upper : rows) {
+std::vector<ExactHalfSpace> withoutEntry(const std::vector<ExactHalfSpace>& rows, std::size_t place) {
+  std::vector<ExactHalfSpace> result;
+  for (const ExactHalfSpace& upper : rows) {
     if (upper.a[place] == 0) result.push_back(upper);
     if (upper.a[place] <= 0) continue;
-    for (const HalfSpace& lower : rows) {
+    for (const ExactHalfSpace& lower : rows) {
       if (lower.a[place] >= 0) continue;
       const Fraction &from_upper = -lower.a[place], &from_lower = upper.a[place];
-      HalfSpace both{Vector(upper.a.size()), from_upper * upper.bound + from_lower * lower.bound};
+      ExactHalfSpace both{Vector(upper.a.size()), from_upper * upper.bound + from_lower * lower.bound};
       for (std::size_t j = 0; j < both.a.size(); ++j)
         both.a[j] = from_upper * upper.a[j] + from_lower * lower.a[j];
       result.push_back(std::move(both));
@@ -187,9 +187,9 @@ std::vector<HalfSpace> withoutEntry(const std::vector<HalfSpace>& rows, std::siz
   return result;
 }
 
-std::vector<HalfSpace> withoutImplied(std::vector<HalfSpace> rows) {
+std::vector<ExactHalfSpace> withoutImplied(std::vector<ExactHalfSpace> rows) {
   for (std::size_t k = rows.size(); rows.size() > 1 && k-- > 0;) {
-    std::vector<HalfSpace> others = rows;
+    std::vector<ExactHalfSpace> others = rows;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     if (Polyhedron(others).isWithin(rows[k])) rows = std::move(others);
   }

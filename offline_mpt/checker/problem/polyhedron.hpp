@@ -10,7 +10,7 @@
 namespace checker {
 
 /// a . x <= bound
-struct HalfSpace {
+struct ExactHalfSpace {
   Vector a;
   Fraction bound;
 };
@@ -24,7 +24,7 @@ std::optional<Vector> weightsOf(const std::vector<Vector>& rows, const Vector& t
 /// The set where all of some rows hold, at least one.
 class Polyhedron {
  public:
-  explicit Polyhedron(std::vector<HalfSpace> rows);
+  explicit Polyhedron(std::vector<ExactHalfSpace> rows);
   Polyhedron(Polyhedron&& other) noexcept;
   ~Polyhedron();
 
@@ -32,20 +32,20 @@ class Polyhedron {
   /// simplex method in doubles finds the rows; where their exact multipliers are not such, an exact one does.
   std::optional<Fraction> greatest(const Vector& a) const;
   /// Whether the half-space holds in all of the set, by the same.
-  bool isWithin(const HalfSpace& target) const;
+  bool isWithin(const ExactHalfSpace& target) const;
   /// Whether no x meets all rows: multipliers >= 0 contradict.
   bool isEmpty() const;
   /// Whether some x meets all rows: one that is found and substituted.
   bool hasPoint() const;
 
-  const std::vector<HalfSpace>& rows() const { return rows_; }
+  const std::vector<ExactHalfSpace>& rows() const { return rows_; }
 
  private:
   std::optional<Fraction> boundBy(const std::vector<std::size_t>& places, const Vector& a) const;
   std::optional<Fraction> quickly(const Vector& a) const;
   bool solve(const Vector& a) const;
 
-  std::vector<HalfSpace> rows_;
+  std::vector<ExactHalfSpace> rows_;
   /// Both simplex methods.
   struct Search;
   std::unique_ptr<Search> search_;
@@ -53,9 +53,9 @@ class Polyhedron {
 
 /// What the other entries of x must meet so that entry `place` can be chosen: each upper bound of it with each lower one.
 /// The entry stays, with factor 0.
-std::vector<HalfSpace> withoutEntry(const std::vector<HalfSpace>& rows, std::size_t place);
+std::vector<ExactHalfSpace> withoutEntry(const std::vector<ExactHalfSpace>& rows, std::size_t place);
 
 /// The same set by fewer rows: without those that hold where the others do.
-std::vector<HalfSpace> withoutImplied(std::vector<HalfSpace> rows);
+std::vector<ExactHalfSpace> withoutImplied(std::vector<ExactHalfSpace> rows);
 
 }  // namespace checker

@@ -113,13 +113,13 @@ class ExpectedRows {
   }
 
   /// h . e + g . r <= b, of which the row is the worst case at the stage that must lie in the invariant set.
-  HalfSpace invariantRow(const PlanRow& row) const {
+  ExactHalfSpace invariantRow(const PlanRow& row) const {
     const std::size_t stage = problem_.invariance == RobustProblem::Invariance::kFirstStep ? 1 : last_stage_;
     Vector h;
     for (const std::size_t error : problem_.errors) h.push_back(row.y[error]);
     for (std::size_t k = 0; k < stage; ++k) h = solvedFromLeft(A_, h);
     PlanRow expected = worstState(h, stage);
-    HalfSpace result{Vector(row.y.begin(), row.y.begin() + static_cast<std::ptrdiff_t>(p_)), 0};
+    ExactHalfSpace result{Vector(row.y.begin(), row.y.begin() + static_cast<std::ptrdiff_t>(p_)), 0};
     for (std::size_t i = 0; i < h.size(); ++i) result.a[problem_.errors[i]] = h[i];
     std::copy_n(row.y.begin(), p_, expected.y.begin());
     const auto [own_bound, own_rest] = partsOf(row);
@@ -276,7 +276,7 @@ RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& pr
   require(has_set || open.empty(), "a row of the certificate is none of the problem");
   require(!has_set || !open.empty(), "rows of the invariant set are missing");
   if (!has_set) return match;
-  std::vector<HalfSpace> set;
+  std::vector<ExactHalfSpace> set;
   for (const auto& [key, rows] : open)
     for (const PlanRow* row : rows) set.push_back(expected.invariantRow(*row));
   match.invariant = set.size();

@@ -30,14 +30,14 @@ class SafeSet {
   }
 
  private:
-  static HalfSpace rowOf(const Matrix& matrix, std::size_t i, const Fraction& bound) {
-    HalfSpace row{{}, bound};
+  static ExactHalfSpace rowOf(const Matrix& matrix, std::size_t i, const Fraction& bound) {
+    ExactHalfSpace row{{}, bound};
     for (std::size_t j = 0; j < matrix.columns; ++j) row.a.push_back(matrix.at(i, j));
     return row;
   }
 
-  static std::vector<HalfSpace> rowsOf(const Matrix& matrix, const Matrix& bounds) {
-    std::vector<HalfSpace> rows;
+  static std::vector<ExactHalfSpace> rowsOf(const Matrix& matrix, const Matrix& bounds) {
+    std::vector<ExactHalfSpace> rows;
     for (std::size_t i = 0; i < matrix.rows; ++i) rows.push_back(rowOf(matrix, i, bounds.at(i, 0)));
     return rows;
   }
@@ -46,7 +46,7 @@ class SafeSet {
   void requireWithinRanges() const {
     for (std::size_t j = 0; j < n_; ++j) {
       for (const int sign : {1, -1}) {
-        HalfSpace side{Vector(n_), sign > 0 ? model_.upper[j] : Fraction(-model_.lower[j])};
+        ExactHalfSpace side{Vector(n_), sign > 0 ? model_.upper[j] : Fraction(-model_.lower[j])};
         side.a[j] = sign;
         require(set_.isWithin(side), "the safe set is not within the ranges less errors and excursions");
       }
@@ -73,10 +73,10 @@ class SafeSet {
 
   /// Of (xi, u), the inputs are eliminated one by one. What is left of the rows must hold in the set.
   void requireAnInput() const {
-    std::vector<HalfSpace> rows = set_.rows();
-    for (HalfSpace& row : rows) row.a.resize(n_ + nu_);
+    std::vector<ExactHalfSpace> rows = set_.rows();
+    for (ExactHalfSpace& row : rows) row.a.resize(n_ + nu_);
     for (std::size_t i = 0; i < problem_.G.rows; ++i) {
-      HalfSpace row = rowOf(problem_.M, i, problem_.b.at(i, 0));
+      ExactHalfSpace row = rowOf(problem_.M, i, problem_.b.at(i, 0));
       for (Fraction& value : row.a) value = -value;
       for (std::size_t j = 0; j < nu_; ++j) row.a.push_back(problem_.G.at(i, j));
       rows.push_back(std::move(row));
@@ -92,7 +92,7 @@ class SafeSet {
       if (j > 0) rows = withoutImplied(std::move(rows));
       rows = withoutEntry(rows, n_ + j);
     }
-    for (HalfSpace& row : rows) {
+    for (ExactHalfSpace& row : rows) {
       row.a.resize(n_);
       require(set_.isWithin(row), "a state of the safe set has no admissible input");
     }

@@ -123,8 +123,8 @@ TEST(RobustRows, OfAnInvariantSetBoundTheFirstStepOrTheLast) {
   }
 }
 
-std::vector<checker::HalfSpace> greatestSet(const MadeRobust& made) {
-  std::vector<checker::HalfSpace> set;
+std::vector<checker::ExactHalfSpace> greatestSet(const MadeRobust& made) {
+  std::vector<checker::ExactHalfSpace> set;
   for (const ExactHalfSpace& row : invariantParameters(made.problem()).rows) set.push_back({row.a, row.b});
   return set;
 }

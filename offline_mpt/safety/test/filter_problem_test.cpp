@@ -341,8 +341,8 @@ TEST(FilterProblemChecker, RefusesOtherSignals) {
 
 /// Half-spaces of polygons: a touching one holds, one that cuts off 1e-9 does not; of a halved set nothing is known.
 TEST(FilterProblemChecker, MultipliersDecideExactly) {
-  using checker::HalfSpace;
-  const std::vector<HalfSpace> triangle = {{{-1, 0}, 0}, {{0, -1}, 0}, {{3, 1}, mpq_class(1, 3)}};
+  using checker::ExactHalfSpace;
+  const std::vector<ExactHalfSpace> triangle = {{{-1, 0}, 0}, {{0, -1}, 0}, {{3, 1}, mpq_class(1, 3)}};
   const checker::Polyhedron polyhedron(triangle);
   EXPECT_TRUE(polyhedron.hasPoint());
   for (const double shift : {0.0, 1e-30}) {
@@ -360,7 +360,7 @@ TEST(FilterProblemChecker, MultipliersDecideExactly) {
   const checker::Polyhedron line({{{1, 0}, 0}, {{-1, 0}, 0}});
   EXPECT_TRUE(line.hasPoint());
   EXPECT_FALSE(line.isEmpty());
-  const std::vector<HalfSpace> shadow = checker::withoutImplied(checker::withoutEntry(triangle, 1));
+  const std::vector<ExactHalfSpace> shadow = checker::withoutImplied(checker::withoutEntry(triangle, 1));
   EXPECT_EQ(shadow.size(), 2u);
   EXPECT_TRUE(checker::Polyhedron(shadow).isWithin({{1, 0}, mpq_class(1, 9)}));
   EXPECT_FALSE(checker::Polyhedron(shadow).isWithin({{1, 0}, mpq_class(1, 10)}));
