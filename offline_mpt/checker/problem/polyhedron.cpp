@@ -59,6 +59,15 @@ Fraction productOf(const Vector& a, const Vector& x) {
   return sum;
 }
 
+/// The same half-space in whole numbers without a common factor. Without that, numbers would grow from step to step.
+ExactHalfSpace shortest(ExactHalfSpace row) {
+  row.a.push_back(row.bound);
+  const Row whole = primitive(row.a);
+  row.a.assign(whole.begin(), whole.end() - 1);
+  row.bound = whole.back();
+  return row;
+}
+
 }  // namespace
 
 Vector timesMatrix(const Vector& v, const Matrix& M) {
@@ -181,7 +190,7 @@ std::vector<ExactHalfSpace> withoutEntry(const std::vector<ExactHalfSpace>& rows
       ExactHalfSpace both{Vector(upper.a.size()), from_upper * upper.bound + from_lower * lower.bound};
       for (std::size_t j = 0; j < both.a.size(); ++j)
         both.a[j] = from_upper * upper.a[j] + from_lower * lower.a[j];
-      result.push_back(std::move(both));
+      result.push_back(shortest(std::move(both)));
     }
   }
   return result;
