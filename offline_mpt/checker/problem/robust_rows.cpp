@@ -69,7 +69,7 @@ std::string keyOf(const PlanRow& row) {
   return bound.get_str(16) + rest;
 }
 
-/// a with a A = c; throws Refused where A is singular.
+/// a with a A = c, one of several where A is singular; throws Refused where there is none.
 Vector solvedFromLeft(const Matrix& A, const Vector& c) {
   std::vector<Vector> rows;
   for (std::size_t i = 0; i < A.rows; ++i) {

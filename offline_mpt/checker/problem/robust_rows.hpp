@@ -16,7 +16,8 @@ struct RowMatch {
 
 /// Computes the rows of the robust MPC from the model of the certificate, in fractions, and finds each of them in the
 /// certificate as often as it occurs. Other rows are refused, but for those of `invariance`, whose set must be
-/// robustly invariant (invariance.hpp). The plan is the inputs u~_1 .., then the disturbance feedback L_ki by k, i and channel. Throws Refused.
+/// robustly invariant (invariance.hpp). The plan is the inputs u~_1 .., then the disturbance feedback L_ki by k, i and
+/// channel. Throws Refused.
 RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& problem);
 
 }  // namespace checker
