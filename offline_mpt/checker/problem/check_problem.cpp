@@ -79,6 +79,8 @@ void confirm(const checker::Arguments& arguments) {
       checker::require(text == map.problem, "the problem file is not the one that the map was made from");
     });
   }
+  checker::require(map.reduced_from == 0,
+                   "the map was reduced; check its original, whose answers check_certificate compares");
   const auto certificate = checker::readMapCertificate(checker::readFile(arguments.at("")), map);
   const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(certificate.get());
   if (robust != nullptr) {
