@@ -30,8 +30,6 @@ void Lookups::check(const std::vector<std::string>& lines, const Progress& progr
   require(next == lines.size(), "there are more proofs of look-ups than leaves");
 }
 
-bool Lookups::isCandidate(std::size_t region) const { return contains(candidates_, region); }
-
 void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& next) {
   known_ = {candidates_.begin(), candidates_.end()};
   require(next < lines.size(), "a leaf has no proof");
@@ -95,11 +93,13 @@ void Lookups::checkWalk(Line& line, const std::vector<std::string>& lines, std::
 }
 
 bool Lookups::readWalk(Line& line) {
-  const bool is_outside = line.next("outside");
-  if (is_outside) readOutside(line);
-  const bool is_near = !is_outside && line.next("near");
-  if (is_near) readNear(line);
-  return is_outside || is_near;
+  if (line.next("outside")) {
+    readOutside(line);
+    return true;
+  }
+  if (!line.next("near")) return false;
+  readNear(line);
+  return true;
 }
 
 /// A point c inside of a candidate, so deep in the leaf that what arrives there can be moved towards it. With path rows

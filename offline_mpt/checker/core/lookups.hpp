@@ -113,7 +113,6 @@ class Lookups : public LookupAnswers {
   /// Whether the constants of dropped rows show that a facet does not reach into a leaf.
   virtual bool dropsShowOutside() const { return true; }
 
-  bool isCandidate(std::size_t region) const;
   /// The part of the leaf with path rows >= mu, and these rows.
   std::vector<const Row*> cellWith(const std::vector<Row>& rows) const;
 
