@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "core/checksum.hpp"
 #include "files.hpp"
 #include "json_problem.hpp"
 

@@ -65,6 +65,45 @@ double differenceOf(const double* a, const double* b, const Box& box) {
   return difference * kRoundedBox;
 }
 
+/// Finds the nearest of the map's planes. Two planes differ in the box at least by as much as at one point of it. So those
+/// whose values at a point are further apart than the nearest so far need not be looked at.
+class NearestPlane {
+ public:
+  NearestPlane(const std::vector<double>& planes, const Box& box) : planes_(planes), box_(box) {
+    for (std::size_t k = 0; k < planes.size() / (box.size() + 1); ++k) sorted_.emplace_back(keyOf(at(k)), k);
+    std::sort(sorted_.begin(), sorted_.end());
+  }
+
+  /// Of several with the least difference the first.
+  std::pair<double, std::size_t> find(const double* plane) const {
+    std::pair<double, std::size_t> best(std::numeric_limits<double>::infinity(), 0);
+    const double key = keyOf(plane);
+    const auto middle = std::lower_bound(sorted_.begin(), sorted_.end(), std::make_pair(key, std::size_t{0}));
+    for (auto next = middle; next != sorted_.end() && next->first - key <= best.first; ++next)
+      best = std::min(best, differenceTo(plane, next->second));
+    for (auto next = middle; next != sorted_.begin() && key - (next - 1)->first <= best.first; --next)
+      best = std::min(best, differenceTo(plane, (next - 1)->second));
+    return best;
+  }
+
+ private:
+  const double* at(std::size_t k) const { return planes_.data() + k * (box_.size() + 1); }
+  std::pair<double, std::size_t> differenceTo(const double* plane, std::size_t k) const {
+    return {differenceOf(plane, at(k), box_), k};
+  }
+  /// The value at a point that has no symmetry.
+  double keyOf(const double* plane) const {
+    double value = plane[box_.size()];
+    for (std::size_t i = 0; i < box_.size(); ++i)
+      value += plane[i] * box_.greatest(i) / (1.5 + static_cast<double>(i));
+    return value;
+  }
+
+  const std::vector<double>& planes_;
+  const Box& box_;
+  std::vector<std::pair<double, std::size_t>> sorted_;
+};
+
 }  // namespace
 
 void boundRounding(LookupTables& tables, const Arithmetic& arithmetic) {
@@ -114,18 +153,12 @@ LookupTables withPlanesOf(const LookupTables& map, LookupTables code, double mos
   const std::size_t stride = map.p + 1;
   std::vector<std::uint32_t> number;
   std::vector<double> error(map.plane_error.size(), -1.0);
+  const NearestPlane planes(map.planes, code.box);
   for (std::size_t i = 0; i < code.planes.size() / stride; ++i) {
-    double least = std::numeric_limits<double>::infinity();
-    number.push_back(0);
-    for (std::size_t k = 0; k < error.size() && least > 0.0; ++k) {
-      const double difference =
-          differenceOf(code.planes.data() + i * stride, map.planes.data() + k * stride, code.box);
-      if (difference >= least) continue;
-      least = difference;
-      number[i] = static_cast<std::uint32_t>(k);
-    }
+    const auto [least, k] = planes.find(code.planes.data() + i * stride);
     require(least <= most, "a plane of the code is none of the map's");
-    error[number[i]] = std::max(error[number[i]], code.plane_error[i] + least);
+    number.push_back(static_cast<std::uint32_t>(k));
+    error[k] = std::max(error[k], code.plane_error[i] + least);
   }
   for (std::uint32_t& plane : code.node_plane) plane = number[plane];
   for (std::vector<LookupTables::Candidate>& leaf : code.leaves) {

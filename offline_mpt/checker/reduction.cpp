@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <sstream>
 
+#include "core/checksum.hpp"
+
 namespace checker {
 namespace {
 
@@ -47,9 +49,7 @@ const Row& MapRows::at(std::int32_t row, Moved moved, bool outside) const {
   const auto key = std::make_pair(row, 2 * static_cast<int>(moved) + (outside ? 1 : 0));
   const auto known = known_.find(key);
   if (known != known_.end()) return known->second;
-  const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(row)) - 1) * (map_.p + 1);
-  const int sign = row > 0 ? -1 : 1;
-  Vector value = scaling_.inBox(plane, sign, -sign * Fraction(plane[map_.p]));
+  Vector value = scaling_.mapRow(map_, row);
   if (moved == Moved::kSlack) value.back() += slack_;
   if (moved == Moved::kHandicap) value.back() += handicap_;
   if (outside) {

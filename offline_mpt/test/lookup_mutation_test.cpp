@@ -4,6 +4,7 @@
 #include <cstring>
 #include <random>
 
+#include "core/checksum.hpp"
 #include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"

@@ -10,6 +10,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "problem/program_match.hpp"
+#include "program_matrices.hpp"
 
 namespace polyfly {
 namespace {
@@ -18,36 +19,6 @@ using checker::Ball;
 using checker::BallMatrix;
 
 const mpq_class kTolerance(1, 1000000000000);
-
-checker::Matrix matrixOf(const Eigen::MatrixXd& values) {
-  checker::Matrix result;
-  result.rows = static_cast<std::size_t>(values.rows());
-  result.columns = static_cast<std::size_t>(values.cols());
-  for (Eigen::Index i = 0; i < values.rows(); ++i) {
-    for (Eigen::Index j = 0; j < values.cols(); ++j) result.entries.emplace_back(values(i, j));
-  }
-  return result;
-}
-
-checker::Matrices matricesOf(const ParametricProgram& program) {
-  Eigen::MatrixXd box(program.parameterCount(), 2);
-  for (int j = 0; j < program.parameterCount(); ++j) {
-    const Signal& parameter = program.parameters[static_cast<std::size_t>(j)];
-    box.row(j) << parameter.lower, parameter.upper;
-  }
-  return {{"box", matrixOf(box)},
-          {"H", matrixOf(program.H)},
-          {"f", matrixOf(program.f)},
-          {"F", matrixOf(program.F)},
-          {"A", matrixOf(program.A)},
-          {"b", matrixOf(program.b)},
-          {"S", matrixOf(program.S)},
-          {"A_theta", matrixOf(program.A_theta)},
-          {"b_theta", matrixOf(program.b_theta)},
-          {"E", matrixOf(program.E)},
-          {"C", matrixOf(program.C)},
-          {"c", matrixOf(program.c)}};
-}
 
 /// Empty: the program is that of the problem. Else why it is not.
 std::string refusal(const checker::Matrices& program, const std::string& problem_text) {

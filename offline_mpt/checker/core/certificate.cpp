@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
 #include <sstream>
+
+#include "core/checksum.hpp"
 
 namespace checker {
 namespace {
@@ -14,11 +15,6 @@ const char* const kHead[] = {"map",   "problem",   "tolerances", "equalities",
                              "basis", "convexity", "coverage",   "regions"};
 // Lines about look-ups, which are read after all others.
 const char* const kOfLookups[] = {"drop", "leaf", "outside", "near", "beyond", "sliver"};
-
-template <class List>
-bool contains(const List& list, const std::string& key) {
-  return std::find(std::begin(list), std::end(list), key) != std::end(list);
-}
 
 }  // namespace
 
@@ -205,9 +201,11 @@ std::string Certificate::conditions() const {
       text, sizeof text,
       "differences from the exact solution in the whole box: u at most %.3g (%g of its law's greatest), "
       "planes at most %g (scaled)\nlook-ups: half-spaces are violated by at most %g (scaled)\n",
-      kUp * law_error_.get_d(), law_tolerance_.get_d(), plane_tolerance_.get_d(), 8 * map_.tolerance);
+      kUp * law_error_.get_d(), law_tolerance_.get_d(), plane_tolerance_.get_d(), kReach * map_.tolerance);
   if (convexity_ != "definite" || coverage_ != "exact" || !leavesNothingOut()) return text;
-  const Fraction beyond = 18 * Fraction(map_.tolerance) * greatest_change_ + 2 * law_tolerance_ * greatest_u_;
+  // One tolerance more allows for the difference of the map's plane.
+  const Fraction reach = (kReach + 1) * Fraction(map_.tolerance);
+  const Fraction beyond = 2 * reach * greatest_change_ + 2 * law_tolerance_ * greatest_u_;
   char line[100];
   std::snprintf(line, sizeof line,
                 "beyond a facet, u differs by at most %.3g from that of the region behind it\n",

@@ -1,8 +1,8 @@
 // Statement 4: the regions cover all parameters with a solution. Each facet has a proof of what lies behind it.
-#include <algorithm>
 #include <functional>
 
 #include "core/certificate.hpp"
+#include "core/tags.hpp"
 
 namespace checker {
 
@@ -15,9 +15,9 @@ FacetBehind Certificate::checkFacet(std::size_t index, const Region& region, std
   if (kind == "domain") {
     const std::string origin = line.word();
     const auto at = region.rows.find(origin);
-    require(
-        at != region.rows.end() && (origin[0] == 'd' || origin[0] == 'b') && sameHalfSpace(at->second, plane),
-        "a facet is not at the edge of the domain");
+    require(at != region.rows.end() && (origin[0] == tag::kDomain || origin[0] == tag::kSideOfBox) &&
+                sameHalfSpace(at->second, plane),
+            "a facet is not at the edge of the domain");
     behind.is_boundary = true;
   } else if (kind == "edge") {
     checkBoundary(line, plane);
@@ -41,11 +41,12 @@ std::size_t Certificate::nextRegion(Line& line, const Region& region, const Row&
   const std::string origin = line.word();
   const auto at = region.rows.find(origin);
   require(at != region.rows.end() && sameHalfSpace(at->second, plane), "a facet is not that of " + origin);
-  require(origin[0] == 'm' || origin[0] == 's', "a facet of this kind has no single neighbour");
+  require(origin[0] == tag::kMultiplier || origin[0] == tag::kSlack,
+          "a facet of this kind has no single neighbour");
   const std::size_t other = line.count(claims_.size() - 1);
   std::set<std::size_t> changed = region.active;
   const std::size_t row = std::stoull(origin.substr(1));
-  if (origin[0] == 'm') {
+  if (origin[0] == tag::kMultiplier) {
     changed.erase(row);
   } else {
     changed.insert(row);
@@ -73,15 +74,15 @@ void Certificate::checkBoundary(Line& line, const Row& plane) const {
 void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row*> cell,
                              std::vector<std::size_t>& used) const {
   const std::string kind = line.word();
-  if (kind == "e") return requireEmpty(line, cell, &plane);
-  require(kind == "N", kind + " covers nothing");
+  if (kind == tag::kEmpty) return requireEmpty(line, cell, &plane);
+  require(kind == tag::kCutByRegion, kind + " covers nothing");
   const std::size_t other = line.count(claims_.size() - 1);
   used.push_back(other);
   const std::vector<Row> rows = checkedRegion(other).listed;
   require(valueAt(plane, claims_[other].point) < 0, "a region does not lie behind the facet that it covers");
   const auto cover = [&](const std::vector<const Row*>& part) { checkCover(line, plane, part, used); };
   for (const Row& row : rows) {
-    const bool is_along = line.next("z");
+    const bool is_along = line.next(tag::kAlongPlane);
     require(proportional(row, plane) == is_along, "a cut along the facet");
     if (!is_along) readCut(line, row, &plane, cell, cover);
   }
@@ -94,16 +95,14 @@ void readCut(Line& line, const Row& row, const Row* plane, std::vector<const Row
   const Row other_side = negated(row);
   std::vector<const Row*> outside = cell;
   outside.push_back(&other_side);
-  if (what == "e") return requireEmpty(line, outside, plane);
-  require(what == "s", what + " covers nothing");
+  if (what == tag::kEmpty) return requireEmpty(line, outside, plane);
+  require(what == tag::kOutsideCovered, what + " covers nothing");
   cover(outside);
   cell.push_back(&row);
 }
 
 bool Certificate::isLeftOut(std::size_t) const { return false; }
 
-bool Certificate::isInBasis(std::size_t row) const {
-  return std::find(basis_.begin(), basis_.end(), row) != basis_.end();
-}
+bool Certificate::isInBasis(std::size_t row) const { return contains(basis_, row); }
 
 }  // namespace checker

@@ -1,6 +1,5 @@
 // Statement 2: the map's half-spaces are the conditions of optimality, and each region has an interior point.
 #include <algorithm>
-#include <cstdlib>
 
 #include "core/certificate.hpp"
 
@@ -24,8 +23,7 @@ void Certificate::checkHalfSpaces(std::size_t index, Region& region) const {
   require(claim.listed.size() == region.own, "a facet that the map does not have");
   const std::vector<const Row*> listed = distinctRows(region);
   for (const auto& [origin, row] : region.rows) {
-    if (std::find(claim.listed.begin(), claim.listed.end(), origin) == claim.listed.end())
-      requireFollows(claim, "follows " + origin, row, listed);
+    if (!contains(claim.listed, origin)) requireFollows(claim, "follows " + origin, row, listed);
   }
 }
 
@@ -38,10 +36,7 @@ void Certificate::checkMapRows(std::size_t index, Region& region) const {
     const auto at = region.rows.find(claim.listed[f]);
     require(at != region.rows.end(), "facet " + claim.listed[f] + " is no condition of optimality");
     const Row& exact = at->second;
-    const std::int32_t reference = map_.rows[mapped_region.first_row + f];
-    const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(reference)) - 1) * (p_ + 1);
-    const int sign = reference > 0 ? -1 : 1;
-    const Vector mapped = scaling_.inBox(plane, sign, -sign * Fraction(plane[p_]));
+    const Vector mapped = scaling_.mapRow(map_, map_.rows[mapped_region.first_row + f]);
     std::size_t k = 0;
     Fraction squared;
     for (std::size_t j = 0; j < p_; ++j) {

@@ -6,16 +6,14 @@
 namespace checker {
 namespace {
 
-constexpr int kReach = 8;       // tolerances by which a row that is not tested may be violated
 constexpr int kWideBits = 26;   // look-ups accept no more than |t_j| <= 1 + 2^-26
 constexpr int kUnitBits = 120;  // the rounding error is rounded up to a multiple of 2^-120
-constexpr double kMostTolerance = 1e-8;
 
 }  // namespace
 
 LookupAnswers::LookupAnswers(const Map& map)
     : map_(map), tolerance_(map.tolerance), scaling_(map), drops_(map.regions.size()) {
-  require(tolerance_ > 0 && tolerance_ <= Fraction(kMostTolerance), "the map's tolerance is out of range");
+  require(tolerance_ > 0, "the map's tolerance is out of range");
   findRounding();
   walkTree();
 }
@@ -57,13 +55,6 @@ std::vector<std::int32_t> LookupAnswers::pathTo(std::size_t visit) const {
   for (; visit != 0; visit = visits_[visit].parent) path.push_back(visits_[visit].row);
   std::reverse(path.begin(), path.end());
   return path;
-}
-
-/// The inner side of a signed row: row (t, 1) >= 0.
-Vector LookupAnswers::mapRow(std::int32_t row) const {
-  const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(row)) - 1) * (map_.p + 1);
-  const int sign = row > 0 ? -1 : 1;
-  return scaling_.inBox(plane, sign, -sign * Fraction(plane[map_.p]));
 }
 
 Row LookupAnswers::movedRow(std::int32_t row, const Fraction& outwards) const {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/lookups.hpp"
+#include "core/tags.hpp"
 
 namespace checker {
 namespace {
@@ -29,8 +30,6 @@ void Lookups::check(const std::vector<std::string>& lines, const Progress& progr
   require(next == lines.size(), "there are more proofs of look-ups than leaves");
 }
 
-bool Lookups::isCandidate(std::size_t region) const { return contains(candidates_, region); }
-
 void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& next) {
   known_ = {candidates_.begin(), candidates_.end()};
   require(next < lines.size(), "a leaf has no proof");
@@ -51,8 +50,8 @@ void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& 
 void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const {
   require(cell.size() < kMostCellRows, "a cover is nested too deeply");
   const std::string kind = line.word();
-  if (kind == "e") return requireEmpty(line, cell, nullptr);
-  if (kind == "b" && by.boundary) {
+  if (kind == tag::kEmpty) return requireEmpty(line, cell, nullptr);
+  if (kind == tag::kCutByBoundary && by.boundary) {
     const std::size_t region = line.count(map_.regions.size() - 1), facet = line.count(kMany);
     const std::int32_t signed_row = rowOf(region, facet);
     require(regions_[region].facets[facet].is_boundary, "a cut by what is no boundary");
@@ -60,7 +59,7 @@ void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy
     cell.push_back(&row);
     return checkCover(line, cell, by);
   }
-  require(kind == "N", kind + " covers nothing");
+  require(kind == tag::kCutByRegion, kind + " covers nothing");
   const std::size_t place = line.count(kMany);
   require(place < candidates_.size(), "a part is left to what is no candidate");
   const std::size_t region = candidates_[place];
@@ -94,11 +93,13 @@ void Lookups::checkWalk(Line& line, const std::vector<std::string>& lines, std::
 }
 
 bool Lookups::readWalk(Line& line) {
-  const bool is_outside = line.next("outside");
-  if (is_outside) readOutside(line);
-  const bool is_near = !is_outside && line.next("near");
-  if (is_near) readNear(line);
-  return is_outside || is_near;
+  if (line.next("outside")) {
+    readOutside(line);
+    return true;
+  }
+  if (!line.next("near")) return false;
+  readNear(line);
+  return true;
 }
 
 /// A point c inside of a candidate, so deep in the leaf that what arrives there can be moved towards it. With path rows
@@ -114,12 +115,7 @@ void Lookups::checkStart(Line& line) {
   for (const Fraction& value : point) require(abs(value) < 1, "the starting point lies outside of the box");
   for (const Row& row : conditions(candidates_[place]))
     require(valueAt(row, point) > 0, "the starting point does not lie inside");
-  const auto at_point = [&](std::int32_t row) {
-    const Vector values = mapRow(row);
-    Fraction value = values.back();
-    for (std::size_t j = 0; j < map_.p; ++j) value += values[j] * point[j];
-    return value;
-  };
+  const auto at_point = [&](std::int32_t row) { return valueAt(mapRow(row), point); };
   Fraction deep(1), greatest, error;
   for (const std::int32_t row : path_) deep = std::min(deep, at_point(row));
   for (std::size_t k = 0; k < candidates_.size(); ++k) {

@@ -13,6 +13,9 @@
 /// What look-ups answer: "Look-ups" in offline_mpt/CERTIFICATE.md.
 namespace checker {
 
+/// Tolerances of the map by which an answer may violate a half-space of its region.
+constexpr int kReach = 8;
+
 /// What lies behind a facet of a region, as its proof says.
 struct FacetBehind {
   /// Nothing behind it has a solution, or it ends the domain.
@@ -45,7 +48,7 @@ class LookupAnswers {
   void checkLeaves(const Progress& progress, const std::function<void()>& visit);
 
  protected:
-  Vector mapRow(std::int32_t row) const;
+  Vector mapRow(std::int32_t row) const { return scaling_.mapRow(map_, row); }
   Row movedRow(std::int32_t row, const Fraction& outwards) const;
   std::int32_t rowOf(std::size_t region, std::size_t row) const;
 
@@ -110,7 +113,6 @@ class Lookups : public LookupAnswers {
   /// Whether the constants of dropped rows show that a facet does not reach into a leaf.
   virtual bool dropsShowOutside() const { return true; }
 
-  bool isCandidate(std::size_t region) const;
   /// The part of the leaf with path rows >= mu, and these rows.
   std::vector<const Row*> cellWith(const std::vector<Row>& rows) const;
 
@@ -152,11 +154,6 @@ inline Fraction powerOfTwo(int exponent) {
 /// Whether a look-up tests a row; bit 31 stands for all rows from 31 on.
 inline bool isTested(std::uint32_t bits, std::size_t row) {
   return (bits >> std::min<std::size_t>(row, 31) & 1u) != 0;
-}
-
-template <class List, class Value>
-bool contains(const List& list, const Value& value) {
-  return std::find(list.begin(), list.end(), value) != list.end();
 }
 
 }  // namespace checker

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "core/checksum.hpp"
+
 namespace checker {
 namespace {
 

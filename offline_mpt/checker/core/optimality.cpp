@@ -3,6 +3,7 @@
 
 #include "core/certificate.hpp"
 #include "core/linear_system.hpp"
+#include "core/tags.hpp"
 
 namespace checker {
 
@@ -68,17 +69,10 @@ void Certificate::addActive(std::int64_t row, std::set<std::size_t>& active) con
   require(active.insert(i).second, "an active set repeats a row");
 }
 
-/// Row of (matrix theta + vector) in t.
+/// Row of (sign * matrix theta + vector) in t.
 Vector Certificate::affine(const std::string& matrix, const std::string& vector, std::size_t row,
                            int sign) const {
-  Vector result;
-  Fraction constant = data(vector).at(row, 0);
-  for (std::size_t j = 0; j < p_; ++j) {
-    result.push_back(sign * data(matrix).at(row, j) * scaling_.half[j]);
-    constant += sign * data(matrix).at(row, j) * scaling_.centre[j];
-  }
-  result.push_back(constant);
-  return result;
+  return scaling_.inBox(data(matrix).entries.data() + row * p_, sign, data(vector).at(row, 0));
 }
 
 /// The solution of the active set, and all conditions under which it is optimal.
@@ -90,7 +84,7 @@ Region Certificate::describe(std::size_t index) const {
   const Optimum solution = optimum(rows);
   region.rows = solution.multipliers;
   for (std::size_t i = 0; i < m_; ++i) {
-    if (std::find(rows.begin(), rows.end(), i) == rows.end()) addSlackOf(i, solution, region);
+    if (!contains(rows, i)) addSlackOf(i, solution, region);
   }
   addDomain(region);
   for (std::size_t i = 0; i < q_; ++i) {
@@ -128,7 +122,8 @@ Optimum Certificate::optimum(const std::vector<std::size_t>& rows) const {
   for (std::size_t i = 0; i < size; ++i) {
     const Row unknown(system[i].begin() + static_cast<std::ptrdiff_t>(size), system[i].end());
     if (i < n_) result.z.push_back(unknown);
-    if (i >= n_ + basis_.size()) result.multipliers["m" + std::to_string(rows[i - n_])] = primitive(unknown);
+    if (i >= n_ + basis_.size())
+      result.multipliers[tag::origin(tag::kMultiplier, rows[i - n_])] = primitive(unknown);
   }
   return result;
 }
@@ -152,7 +147,7 @@ void Certificate::addSlackOf(std::size_t i, const Optimum& solution, Region& reg
 
 void Certificate::addSlack(std::size_t i, const Slack& slack, Region& region) const {
   if (equalities_.count(i) == 0) {
-    region.rows["s" + std::to_string(i)] = primitive(slack.value);
+    region.rows[tag::origin(tag::kSlack, i)] = primitive(slack.value);
     return;
   }
   for (const Integer& value : slack.value) require(value == 0, "an equality does not hold");
@@ -160,12 +155,12 @@ void Certificate::addSlack(std::size_t i, const Slack& slack, Region& region) co
 
 void Certificate::addDomain(Region& region) const {
   for (std::size_t i = 0; i < data("A_theta").rows; ++i)
-    region.rows["d" + std::to_string(i)] = primitive(affine("A_theta", "b_theta", i, -1));
+    region.rows[tag::origin(tag::kDomain, i)] = primitive(affine("A_theta", "b_theta", i, -1));
   for (std::size_t k = 0; k < 2 * p_; ++k) {
     Row side(p_ + 1);
     side[k / 2] = k % 2 == 0 ? -1 : 1;
     side[p_] = 1;
-    region.rows["b" + std::to_string(k)] = side;
+    region.rows[tag::origin(tag::kSideOfBox, k)] = side;
   }
 }
 

@@ -1,6 +1,6 @@
 #include "core/rows.hpp"
 
-#include <algorithm>
+#include <cstdlib>
 
 namespace checker {
 
@@ -79,12 +79,6 @@ Row remainder(const Row* target, const Integer& scale, const Weights& weights,
   return rest;
 }
 
-Fraction valueAt(const Row& row, const Vector& t) {
-  Fraction value(row.back());
-  for (std::size_t j = 0; j < t.size(); ++j) value += row[j] * t[j];
-  return value;
-}
-
 Weights readWeights(Line& line) {
   Weights weights;
   for (std::size_t k = line.count(kMany); k > 0; --k) {
@@ -118,15 +112,10 @@ Scaling::Scaling(const Map& map) {
   }
 }
 
-Vector Scaling::inBox(const double* entries, int sign, const Fraction& constant) const {
-  Vector result;
-  Fraction sum = constant;
-  for (std::size_t j = 0; j < half.size(); ++j) {
-    result.push_back(sign * Fraction(entries[j]) * half[j]);
-    sum += sign * Fraction(entries[j]) * centre[j];
-  }
-  result.push_back(sum);
-  return result;
+Vector Scaling::mapRow(const Map& map, std::int32_t row) const {
+  const double* plane = map.planes.data() + (static_cast<std::size_t>(std::abs(row)) - 1) * (map.p + 1);
+  const int sign = row > 0 ? -1 : 1;
+  return inBox(plane, sign, -sign * Fraction(plane[map.p]));
 }
 
 Fraction Scaling::roundingOf(const double* entries, const Fraction& reach) const {

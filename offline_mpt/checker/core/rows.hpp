@@ -2,7 +2,10 @@
 
 #include <gmpxx.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,7 +40,19 @@ Row negated(const Row& row);
 bool proportional(const Row& a, const Row& b);
 bool sameHalfSpace(const Row& a, const Row& b);
 Integer leastInBox(const Row& row);
-Fraction valueAt(const Row& row, const Vector& t);
+
+/// row (t, 1)
+template <class Numbers>
+Fraction valueAt(const Numbers& row, const Vector& t) {
+  Fraction value(row.back());
+  for (std::size_t j = 0; j < t.size(); ++j) value += row[j] * t[j];
+  return value;
+}
+
+template <class List, class Value>
+bool contains(const List& list, const Value& value) {
+  return std::find(std::begin(list), std::end(list), value) != std::end(list);
+}
 
 /// scale * target - sum of weight * row, rows in unit form: shifted to the same number of bits.
 Row remainder(const Row* target, const Integer& scale, const Weights& weights,
@@ -51,8 +66,21 @@ void requireEmpty(Line& line, const std::vector<const Row*>& rows, const Row* pl
 /// theta = centre + half .* t, of a map's box.
 struct Scaling {
   explicit Scaling(const Map& map);
-  /// sign * entries . theta + constant as a row in t.
-  Vector inBox(const double* entries, int sign, const Fraction& constant) const;
+  /// sign * entries . theta + constant as a row in t, with p entries.
+  template <class Number>
+  Vector inBox(const Number* entries, int sign, const Fraction& constant) const {
+    Vector result;
+    Fraction sum = constant;
+    for (std::size_t j = 0; j < half.size(); ++j) {
+      const Fraction entry = sign * Fraction(entries[j]);
+      result.push_back(entry * half[j]);
+      sum += entry * centre[j];
+    }
+    result.push_back(sum);
+    return result;
+  }
+  /// The inner side of a signed row of the map: row (t, 1) >= 0.
+  Vector mapRow(const Map& map, std::int32_t row) const;
   /// Greatest error of entries[0..p) . theta + entries[p] in binary64 where |t_j| <= reach: in any order, with or without
   /// fused operations.
   Fraction roundingOf(const double* entries, const Fraction& reach) const;

@@ -3,11 +3,10 @@
 #include <gmpxx.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 
-/// Lines and words of certificates, and their checksums.
+/// Lines and words of certificates.
 namespace checker {
 
 /// The rule that a file breaks.
@@ -18,12 +17,6 @@ struct Refused : std::runtime_error {
 inline void require(bool condition, const std::string& rule) {
   if (!condition) throw Refused(rule);
 }
-
-std::uint64_t xxh64(const std::string& bytes);  ///< seed 0
-std::string hexText(std::uint64_t value);       ///< 16 digits
-
-/// The lines of a certificate before the last, which seals them.
-std::string unsealed(const std::string& text);
 
 /// Words of one line, from the first to the last.
 class Line {

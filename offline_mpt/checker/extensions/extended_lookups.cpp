@@ -22,7 +22,7 @@ void ExtendedLookups::readSliver(Line& line) {
   const std::size_t sliver = line.count(regions_.size() - 1);
   require(sliver >= map_.regions.size(), "a region of the map is no sliver");
   for (const std::size_t region : regions_[sliver].covered_by)
-    require(isCandidate(region) || beyond_.count(region) > 0,
+    require(contains(candidates_, region) || beyond_.count(region) > 0,
             "a sliver reaches into a region that is no candidate");
   known_.insert(sliver);
   near_.push_back(sliver);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/linear_system.hpp"
+#include "core/tags.hpp"
 #include "extensions/extended_certificate.hpp"
 
 namespace checker {
@@ -80,7 +81,7 @@ Optimum ExtendedCertificate::optimum(const std::vector<std::size_t>& rows) const
     const Row of_cost = isLinear() ? part(n_ + r, 1) : part(n_ + r, 0);
     const Row of_length = isLinear() ? part(n_ + r, 0) : part(n_ + count + r, 0);
     const bool by_cost = !is_zero(of_cost);
-    result.multipliers[(by_cost ? "p" : "m") + std::to_string(rows[r])] =
+    result.multipliers[tag::origin(by_cost ? tag::kCostMultiplier : tag::kMultiplier, rows[r])] =
         primitive(by_cost ? of_cost : of_length);
   }
   return result;

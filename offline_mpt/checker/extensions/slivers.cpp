@@ -1,6 +1,7 @@
 // Regions so narrow that the map leaves them to their neighbours, and coverage by regions that are moved outwards.
 #include <algorithm>
 
+#include "core/tags.hpp"
 #include "extensions/extended_certificate.hpp"
 
 namespace checker {
@@ -31,7 +32,7 @@ void ExtendedCertificate::checkHalfSpaces(std::size_t index, Region& region) con
   const std::set<std::string>& tolerated = further(index).tolerated;
   require(tolerated.empty() || isWidened(), "a row is tolerated where nothing is moved outwards");
   for (const auto& [origin, row] : region.rows) {
-    const bool is_listed = std::find(claim.listed.begin(), claim.listed.end(), origin) != claim.listed.end();
+    const bool is_listed = contains(claim.listed, origin);
     if (tolerated.count(origin) > 0) {
       const std::string key = "tolerated_follows " + origin;
       const auto at = region.further.find(key);
@@ -42,7 +43,7 @@ void ExtendedCertificate::checkHalfSpaces(std::size_t index, Region& region) con
     }
   }
   for (const auto& [key, row] : region.further) {
-    if (key[0] == 'd') requireFollows(claim, key, row, listed);
+    if (key.rfind("dropped_follows ", 0) == 0) requireFollows(claim, key, row, listed);
   }
   for (std::size_t f = region.own; f < listed.size() && !isSliver(index); ++f)
     requireFollows(claim, "left_out " + claim.listed[f], movedOutwards(*listed[f]), own);
@@ -78,8 +79,8 @@ std::set<std::size_t> ExtendedCertificate::checkSliver(std::size_t index, const 
 void ExtendedCertificate::checkMovedCover(Line& line, const Row* plane, std::vector<const Row*> cell,
                                           std::vector<std::size_t>& used) const {
   const std::string kind = line.word();
-  if (kind == "e") return requireEmpty(line, cell, plane);
-  require(kind == "N", kind + " covers nothing");
+  if (kind == tag::kEmpty) return requireEmpty(line, cell, plane);
+  require(kind == tag::kCutByRegion, kind + " covers nothing");
   used.push_back(line.count(map().regions.size() - 1));
   const std::vector<Row> rows = movedRows(checkedRegion(used.back()));
   const auto cover = [&](const std::vector<const Row*>& part) { checkMovedCover(line, plane, part, used); };

@@ -68,11 +68,19 @@ Ball Ball::middle() const {
   return result;
 }
 
-mpq_class Ball::greatest() const {
-  mpq_class result(abs(value_) + radius_, mpz_class(1) << kBits);
+mpq_class Ball::upper() const {
+  mpq_class result(value_ + radius_, mpz_class(1) << kBits);
   result.canonicalize();
   return result;
 }
+
+Ball Ball::magnitude() const {
+  Ball result = *this;
+  result.value_ = abs(value_);
+  return result;
+}
+
+mpq_class Ball::greatest() const { return magnitude().upper(); }
 
 BallMatrix BallMatrix::identity(std::size_t size) {
   BallMatrix result(size, size);

@@ -28,6 +28,10 @@ class Ball {
   Ball widened(const mpq_class& by) const;
   /// The same number without an error, to go on with as an approximation.
   Ball middle() const;
+  /// At least the number.
+  mpq_class upper() const;
+  /// The absolute value.
+  Ball magnitude() const;
   /// At least the absolute value.
   mpq_class greatest() const;
   /// At least the distance from an exact number.

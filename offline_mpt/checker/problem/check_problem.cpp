@@ -7,6 +7,7 @@
 #include "json_problem.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
+#include "problem/filter_match.hpp"
 #include "problem/program_match.hpp"
 #include "problem/robust_match.hpp"
 #include "problem/signals.hpp"
@@ -18,9 +19,10 @@ constexpr char kUsage[] =
     R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
 discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
-check_certificate confirms. Problems are YAML files of type tracking_mpc; of type robust_mpc: then the model and all
-rows of the certificate are those of the file; or programs in JSON, of which each number is compared. Names, units and
-ranges of the map's parameters and inputs, and its period, are those of the problem too.
+check_certificate confirms. Of a YAML file of type robust_mpc, the model and all rows of the certificate are those of
+the file, and its invariant set is one. Of type safety_filter, the safe set is one, and answers in it keep the state
+there. Of a program in JSON, each number is compared. Names, units and ranges of the map's parameters and inputs, and
+its period, are those of the problem too.
 With --problem, MAP must carry the text of that file.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
@@ -46,9 +48,25 @@ void confirmRobust(const checker::RobustCertificate& certificate, const std::str
               match.difference.get_d(), match.rows);
   if (match.invariance_rows > 0)
     std::printf(
-        "%zu rows more keep the first step in a set within all bounds, which is robustly invariant as long "
-        "as the references stay; that no greater set is so is not confirmed\n",
-        match.invariance_rows);
+        "%zu rows more keep a step in a set within all bounds, which is robustly invariant as long as the "
+        "references stay; that no greater set is so is %sconfirmed\n",
+        match.invariance_rows, match.is_greatest ? "" : "not ");
+}
+
+void confirmFilter(const checker::Certificate& certificate, const checker::Map& map) {
+  checker::require(certificate.equalities().empty(), "a safety filter has no equalities");
+  const checker::FilterProblem problem = checker::readFilterProblem(map.problem);
+  checker::matchFilter(certificate.program(), problem);
+  checker::confirmSafeSet(problem);
+  checker::confirmAnswers(problem, map);
+  std::printf(
+      "confirmed: each number of the program is that of the problem and its safe set\n"
+      "safe set, %zu rows: it is within the ranges, each of its states has an admissible input, and each "
+      "such "
+      "input leads into it, for all disturbances and errors\n"
+      "answers in the safe set: none needs more than the margin, and an admissible wish comes back "
+      "unchanged\n",
+      problem.H.rows);
 }
 
 void confirm(const checker::Arguments& arguments) {
@@ -61,6 +79,8 @@ void confirm(const checker::Arguments& arguments) {
       checker::require(text == map.problem, "the problem file is not the one that the map was made from");
     });
   }
+  checker::require(map.reduced_from == 0,
+                   "the map was reduced; check its original, whose answers check_certificate compares");
   const auto certificate = checker::readMapCertificate(checker::readFile(arguments.at("")), map);
   const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(certificate.get());
   if (robust != nullptr) {
@@ -68,6 +88,8 @@ void confirm(const checker::Arguments& arguments) {
   } else if (map.kind() == "json") {
     checker::compareProblem(*certificate, map, map.problem);
     std::printf("confirmed: each number of the program is that of the problem\n");
+  } else if (checker::problemType(map.problem) == "safety_filter") {
+    confirmFilter(*certificate, map);
   } else {
     confirmTracking(*certificate, map.problem);
   }

@@ -112,18 +112,13 @@ class Match {
 
 }  // namespace
 
-mpq_class matchProgram(const Matrices& program, const TrackingProblem& problem,
+mpq_class matchProgram(const Matrices& program, const std::vector<std::pair<double, double>>& ranges,
                        const ExpectedProgram& expected, const mpq_class& tolerance) {
   const std::size_t n = expected.H.rows(), q = expected.C.rows();
-  requireSizes(program, n, program.at("A").rows, problem.freeCount(), q);
-  std::size_t j = 0;
-  for (const TrackingProblem::Parameter& parameter : problem.parameters) {
-    if (parameter.fixed) continue;
-    require(program.at("box").at(j, 0) == parameter.range.lower &&
-                program.at("box").at(j, 1) == parameter.range.upper,
+  requireSizes(program, n, program.at("A").rows, ranges.size(), q);
+  for (std::size_t j = 0; j < ranges.size(); ++j)
+    require(program.at("box").at(j, 0) == ranges[j].first && program.at("box").at(j, 1) == ranges[j].second,
             "the range of parameter " + std::to_string(j) + " is not that of the problem");
-    ++j;
-  }
   Match match(program, tolerance);
   match.matrix({"H"}, expected.H);
   match.matrix({"F", "f"}, expected.F);
@@ -134,6 +129,14 @@ mpq_class matchProgram(const Matrices& program, const TrackingProblem& problem,
   // Of a steady state, what cancels in C may be far greater in c.
   match.matrix({"C", "c"}, expected.C, true);
   return match.greatest();
+}
+
+mpq_class matchProgram(const Matrices& program, const TrackingProblem& problem,
+                       const ExpectedProgram& expected, const mpq_class& tolerance) {
+  std::vector<std::pair<double, double>> ranges;
+  for (const TrackingProblem::Parameter& parameter : problem.parameters)
+    if (!parameter.fixed) ranges.emplace_back(parameter.range.lower, parameter.range.upper);
+  return matchProgram(program, ranges, expected, tolerance);
 }
 
 }  // namespace checker

@@ -30,7 +30,11 @@ class ModelMatch {
     equal("input_shift", problem_.input_shift);
     equal("input_range", {1, 2, {problem_.input_range.first, problem_.input_range.second}});
     matchDynamics();
-    matchGain();
+    matchGain("tie_gain", problem_.tie_gain);
+    const bool is_fixed = problem_.feedback == RobustProblem::Feedback::kFixed;
+    require((models_.count("feedback_gain") > 0) == is_fixed,
+            "model feedback_gain is not that of the problem");
+    if (is_fixed) matchGain("feedback_gain", problem_.feedback_gain);
     return greatest_;
   }
 
@@ -93,14 +97,14 @@ class ModelMatch {
     near("G", G, system.B_d);
   }
 
-  void matchGain() {
-    if (problem_.tie_gain) return equal("tie_gain", *problem_.tie_gain);
+  void matchGain(const std::string& name, const RobustProblem::Gain& gain) {
+    if (gain.value) return equal(name, *gain.value);
     const DiscreteSystem system{balls(models_.at("A")), balls(models_.at("B")), {}};
-    const BallMatrix R = balls(*problem_.R);
-    const BallMatrix P = terminalWeight(system, balls(*problem_.Q), R).P;
+    const BallMatrix R = balls(*gain.R);
+    const BallMatrix P = terminalWeight(system, balls(*gain.Q), R).P;
     const BallMatrix B_P = system.B.transposed() * P;
-    const BallMatrix gain = solved(R + B_P * system.B, B_P * system.A);
-    near("tie_gain", models_.at("tie_gain"), BallMatrix(1, gain.columns()) - gain);
+    const BallMatrix expected = solved(R + B_P * system.B, B_P * system.A);
+    near(name, models_.at(name), BallMatrix(1, expected.columns()) - expected);
   }
 
   const Matrices& models_;
@@ -132,7 +136,8 @@ RobustMatch matchRobust(const RobustCertificate& certificate, const RobustProble
   matchBox(certificate, problem, tolerance);
   const RowMatch rows = matchRows(certificate, problem);
   match.rows = rows.expected;
-  match.invariance_rows = rows.first_step;
+  match.invariance_rows = rows.invariant;
+  match.is_greatest = rows.is_greatest;
   return match;
 }
 

@@ -11,8 +11,10 @@ struct RobustMatch {
   Fraction difference;
   /// Rows that follow from the model.
   std::size_t rows = 0;
-  /// Rows that bound the first step, to a set that is robustly invariant.
+  /// Rows that bound the first step or the last one, to a set that is robustly invariant.
   std::size_t invariance_rows = 0;
+  /// It is shown that no greater set is so.
+  bool is_greatest = false;
 };
 
 /// Shows that the model of a certificate is that of the problem: what is discretised or computed within 2^-bits and

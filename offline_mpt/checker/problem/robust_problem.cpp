@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <set>
 
 #include "core/text.hpp"
+#include "problem/fields.hpp"
 
 namespace checker {
 namespace {
@@ -14,16 +14,6 @@ namespace {
 constexpr std::size_t kMostStages = 40;
 constexpr unsigned kMostBits = 200;
 constexpr long kMostDigits = 400;
-
-void requireOnly(const YAML::Node& node, const std::set<std::string>& known) {
-  require(node.IsMap(), "problem: an entry has no keys");
-  std::set<std::string> seen;
-  for (const auto& entry : node) {
-    const auto key = entry.first.as<std::string>();
-    require(known.count(key) > 0, "problem: " + key + " is not known to this checker");
-    require(seen.insert(key).second, "problem: " + key + " is given twice");
-  }
-}
 
 mpz_class wholeOf(const std::string& digits) {
   mpz_class value;
@@ -106,22 +96,15 @@ RobustProblem::Range exactRange(const YAML::Node& node) {
   return range;
 }
 
-/// One of several words; the first where there is none.
-std::size_t choiceAmong(const YAML::Node& node, const std::vector<std::string>& words) {
-  if (!node) return 0;
-  const auto at = std::find(words.begin(), words.end(), node.as<std::string>());
-  require(at != words.end(), "problem: " + node.as<std::string>() + " is not known to this checker");
-  return static_cast<std::size_t>(at - words.begin());
-}
-
 class RobustReader {
  public:
   explicit RobustReader(const YAML::Node& root) : root_(root) {}
 
   RobustProblem read() {
-    requireOnly(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
+    requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
                         "sampling_time", "horizon", "stack", "feedback_predictions", "feedback_gain",
                         "tie_break", "floor", "invariance", "peak_in_map", "parameters"});
+    require(root_["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
     require(root_["type"].as<std::string>() == "robust_mpc", "problem: is of no type robust_mpc");
     problem_.sampling_time = Fraction(root_["sampling_time"].as<double>());
     problem_.horizon = root_["horizon"].as<std::size_t>();
@@ -137,9 +120,9 @@ class RobustReader {
 
  private:
   void readSignals(const YAML::Node& model) {
-    requireOnly(model, {"time", "bits", "states", "inputs", "disturbances", "A", "B", "G", "C"});
+    requireKeys(model, {"time", "bits", "states", "inputs", "disturbances", "A", "B", "G", "C", "delay"});
     for (const auto& state : model["states"]) {
-      requireOnly(state, {"name", "unit", "range"});
+      requireKeys(state, {"name", "unit", "range"});
       if (state["range"]) problem_.state_ranges[states_.size()] = exactRange(state["range"]);
       states_.push_back(state["name"].as<std::string>());
     }
@@ -151,7 +134,7 @@ class RobustReader {
 
   void readModel(const YAML::Node& model) {
     const std::size_t nx = states_.size();
-    problem_.is_discrete = choiceAmong(model["time"], {"continuous", "discrete"}) == 1;
+    problem_.is_discrete = choiceOf(model["time"], {"continuous", "discrete"}) == 1;
     if (model["bits"]) problem_.bits = model["bits"].as<unsigned>();
     require(problem_.bits >= 8 && problem_.bits <= kMostBits, "problem: bits is out of range");
     problem_.A = exactMatrix(model["A"], nx);
@@ -163,32 +146,35 @@ class RobustReader {
   }
 
   void readChoices() {
-    problem_.is_shifted = choiceAmong(root_["stack"], {"paper", "shift"}) == 1;
+    problem_.is_shifted = choiceOf(root_["stack"], {"paper", "shift"}) == 1;
     problem_.feedback = static_cast<RobustProblem::Feedback>(
-        choiceAmong(root_["feedback_predictions"], {"free", "zero", "fixed"}));
-    problem_.bounds_first_step = choiceAmong(root_["invariance"], {"none", "first_step"}) == 1;
-    problem_.has_peak = choiceAmong(root_["peak_in_map"], {"false", "true"}) == 1;
+        choiceOf(root_["feedback_predictions"], {"free", "zero", "fixed"}));
+    problem_.invariance = static_cast<RobustProblem::Invariance>(
+        choiceOf(root_["invariance"], {"none", "first_step", "terminal"}));
+    problem_.has_peak = choiceOf(root_["peak_in_map"], {"false", "true"}) == 1;
     if (root_["floor"]) problem_.floor = exactOf(root_["floor"]);
   }
 
   void readGains() {
-    const YAML::Node tie = root_["tie_break"], feedback = root_["feedback_gain"];
-    requireOnly(tie, {"gain", "Q", "R"});
-    if (tie["gain"]) {
-      problem_.tie_gain = gainOf(tie["gain"]);
-    } else {
-      problem_.Q = exactWeight(tie["Q"], states_.size());
-      problem_.R = exactWeight(tie["R"], 1);
-    }
-    if (!feedback) return;
-    requireOnly(feedback, {"gain"});
-    problem_.feedback_gain = gainOf(feedback["gain"]);
+    problem_.tie_gain = gainOf(root_["tie_break"]);
+    const bool is_fixed = problem_.feedback == RobustProblem::Feedback::kFixed;
+    require(is_fixed || !root_["feedback_gain"],
+            "problem: feedback_gain goes with feedback_predictions: fixed");
+    problem_.feedback_gain = root_["feedback_gain"] ? gainOf(root_["feedback_gain"]) : problem_.tie_gain;
   }
 
-  Matrix gainOf(const YAML::Node& node) const {
-    Matrix gain = exactMatrix(node, states_.size());
-    require(gain.rows == 1, "problem: a gain has another size");
-    return gain;
+  RobustProblem::Gain gainOf(const YAML::Node& node) const {
+    requireKeys(node, {"gain", "Q", "R"});
+    RobustProblem::Gain result;
+    if (node["gain"]) {
+      require(node.size() == 1, "problem: a gain has weights too");
+      result.value = exactMatrix(node["gain"], states_.size());
+      require(result.value->rows == 1, "problem: a gain has another size");
+    } else {
+      result.Q = exactWeight(node["Q"], states_.size());
+      result.R = exactWeight(node["R"], 1);
+    }
+    return result;
   }
 
   void readParameters(const YAML::Node& parameters) {
@@ -199,11 +185,11 @@ class RobustReader {
     problem_.errors.assign(nx, p);
     for (std::size_t j = 0; j < p; ++j) {
       const YAML::Node parameter = parameters[j];
-      requireOnly(parameter, {"name", "role", "of", "unit", "range", "state", "input"});
+      requireKeys(parameter, {"name", "role", "of", "unit", "range", "state", "input"});
       const RobustProblem::Range range = exactRange(parameter["range"]);
       problem_.ranges.entries[2 * j] = range.first;
       problem_.ranges.entries[2 * j + 1] = range.second;
-      if (choiceAmong(parameter["role"], {"error", "reference"}) == 0) {
+      if (choiceOf(parameter["role"], {"error", "reference"}) == 0) {
         const auto state = std::find(states_.begin(), states_.end(), parameter["of"].as<std::string>());
         require(state != states_.end(), "problem: a parameter names no state");
         problem_.errors[static_cast<std::size_t>(state - states_.begin())] = j;

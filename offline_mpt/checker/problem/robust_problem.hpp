@@ -15,6 +15,12 @@ namespace checker {
 /// A problem file of type robust_mpc (offline_mpt/robust/README.md). Numbers are exact as written.
 struct RobustProblem {
   enum class Feedback { kFree, kZero, kFixed };
+  /// Where the state must be in the invariant set.
+  enum class Invariance { kNone, kFirstStep, kLastStep };
+  /// A gain, or weights of its LQR.
+  struct Gain {
+    std::optional<Matrix> value, Q, R;
+  };
   using Range = std::pair<Fraction, Fraction>;
 
   bool is_discrete = false;
@@ -28,11 +34,8 @@ struct RobustProblem {
   /// Stages x_{k+1} .. x_{k+N} instead of x_k .. x_{k+N-1}.
   bool is_shifted = false;
   Feedback feedback = Feedback::kFree;
-  /// Of the feedback, where it is not that of the tie-break.
-  std::optional<Matrix> feedback_gain;
-  /// The tie-break's gain, or the weights of its LQR.
-  std::optional<Matrix> tie_gain, Q, R;
-  bool bounds_first_step = false;
+  Gain tie_gain, feedback_gain;
+  Invariance invariance = Invariance::kNone;
   bool has_peak = false;
   Fraction floor;
   /// By state.

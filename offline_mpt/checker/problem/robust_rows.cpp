@@ -39,8 +39,9 @@ std::string textOf(const Sparse& entries) {
   return text;
 }
 
-/// The same for rows that say the same: terms in order, with the sign that makes their first number positive.
-std::string keyOf(const PlanRow& row) {
+/// A bound without the terms that no plan changes, and a text of all else. The text is the same for rows that say the same:
+/// terms in order, with the sign that makes their first number positive.
+std::pair<Fraction, std::string> partsOf(const PlanRow& row) {
   Fraction bound = row.bound;
   std::vector<std::string> terms;
   for (const PlanRow::Term& term : row.terms) {
@@ -56,11 +57,28 @@ std::string keyOf(const PlanRow& row) {
     terms.push_back("|" + constant.get_str(16) + textOf(z));
   }
   std::sort(terms.begin(), terms.end());
-  std::string key = bound.get_str(16);
+  std::string key;
   for (const Fraction& value : row.y) key += " " + value.get_str(16);
   key += " z" + textOf(tidy(row.z));
   for (const std::string& term : terms) key += term;
-  return key;
+  return {bound, key};
+}
+
+std::string keyOf(const PlanRow& row) {
+  const auto [bound, rest] = partsOf(row);
+  return bound.get_str(16) + rest;
+}
+
+/// a with a A = c, one of several where A is singular; throws Refused where there is none.
+Vector solvedFromLeft(const Matrix& A, const Vector& c) {
+  std::vector<Vector> rows;
+  for (std::size_t i = 0; i < A.rows; ++i) {
+    const auto begin = A.entries.begin() + static_cast<std::ptrdiff_t>(i * A.columns);
+    rows.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(A.columns));
+  }
+  const std::optional<Vector> weights = weightsOf(rows, c);
+  require(weights.has_value(), "a row of the certificate is none of the problem");
+  return *weights;
 }
 
 /// The rows of a problem, by the closed form of the prediction:
@@ -74,7 +92,8 @@ class ExpectedRows {
         B_(certificate.models().at("B")),
         G_(certificate.models().at("G")),
         p_(problem.ranges.rows),
-        last_input_(problem.is_shifted ? problem.horizon - 1 : problem.horizon - 2) {
+        last_stage_(problem.is_shifted ? problem.horizon : problem.horizon - 1),
+        last_input_(last_stage_ - 1) {
     if (problem.feedback == RobustProblem::Feedback::kFixed) setFixedFeedback();
   }
 
@@ -85,13 +104,29 @@ class ExpectedRows {
 
   std::vector<PlanRow> run() {
     addParameters();
-    const std::size_t first = problem_.is_shifted ? 1 : 0;
-    for (std::size_t k = first; k < first + problem_.horizon; ++k) {
+    for (std::size_t k = last_stage_ + 1 - problem_.horizon; k <= last_stage_; ++k) {
       addPeaks(k);
       addStates(k);
     }
     for (std::size_t k = 0; k <= last_input_; ++k) addInput(k);
     return rows_;
+  }
+
+  /// h . e + g . r <= b, of which the row is the worst case at the stage that must lie in the invariant set.
+  ExactHalfSpace invariantRow(const PlanRow& row) const {
+    const std::size_t stage = problem_.invariance == RobustProblem::Invariance::kFirstStep ? 1 : last_stage_;
+    Vector h;
+    for (const std::size_t error : problem_.errors) h.push_back(row.y[error]);
+    for (std::size_t k = 0; k < stage; ++k) h = solvedFromLeft(A_, h);
+    PlanRow expected = worstState(h, stage);
+    ExactHalfSpace result{Vector(row.y.begin(), row.y.begin() + static_cast<std::ptrdiff_t>(p_)), 0};
+    for (std::size_t i = 0; i < h.size(); ++i) result.a[problem_.errors[i]] = h[i];
+    std::copy_n(row.y.begin(), p_, expected.y.begin());
+    const auto [own_bound, own_rest] = partsOf(row);
+    const auto [worst, rest] = partsOf(expected);
+    require(own_rest == rest, "a row of the certificate is none of the problem");
+    result.bound = own_bound - worst;
+    return result;
   }
 
  private:
@@ -103,8 +138,7 @@ class ExpectedRows {
 
   /// K (A + B K)^j G for each j.
   void setFixedFeedback() {
-    const Matrix gain =
-        problem_.feedback_gain ? *problem_.feedback_gain : certificate_.models().at("tie_gain");
+    const Matrix& gain = certificate_.models().at("feedback_gain");
     Matrix closed_loop = multiplied(B_, gain);
     for (std::size_t k = 0; k < closed_loop.entries.size(); ++k) closed_loop.entries[k] += A_.entries[k];
     Matrix reaction = G_;
@@ -216,7 +250,7 @@ class ExpectedRows {
   const RobustCertificate& certificate_;
   const RobustProblem& problem_;
   const Matrix &A_, &B_, &G_;
-  const std::size_t p_, last_input_;
+  const std::size_t p_, last_stage_, last_input_;
   std::vector<Matrix> fixed_;
   std::vector<PlanRow> rows_;
 };
@@ -238,12 +272,16 @@ RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& pr
     if (at->second.empty()) open.erase(at);
     ++match.expected;
   }
-  std::vector<const PlanRow*> others;
-  for (const auto& [key, rows] : open) others.insert(others.end(), rows.begin(), rows.end());
-  require(problem.bounds_first_step || others.empty(), "a row of the certificate is none of the problem");
-  require(!problem.bounds_first_step || !others.empty(), "rows of the invariant set are missing");
-  if (!others.empty()) confirmInvariant(others, certificate, problem);
-  match.first_step = others.size();
+  const bool has_set = problem.invariance != RobustProblem::Invariance::kNone;
+  require(has_set || open.empty(), "a row of the certificate is none of the problem");
+  require(!has_set || !open.empty(), "rows of the invariant set are missing");
+  if (!has_set) return match;
+  std::vector<ExactHalfSpace> set;
+  for (const auto& [key, rows] : open)
+    for (const PlanRow* row : rows) set.push_back(expected.invariantRow(*row));
+  match.invariant = set.size();
+  confirmInvariant(set, certificate, problem);
+  match.is_greatest = isGreatestInvariant(set, certificate, problem);
   return match;
 }
 

@@ -17,7 +17,7 @@ struct Signal {
 };
 
 /// A number, or a quotient of two.
-double numberOf(const YAML::Node& node) {
+double quotientOf(const YAML::Node& node) {
   const auto text = node.as<std::string>();
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos) return node.as<double>();
@@ -27,8 +27,8 @@ double numberOf(const YAML::Node& node) {
 Signal signalOf(const YAML::Node& node) {
   Signal signal{node["name"].as<std::string>(), node["unit"].as<std::string>()};
   if (!node["range"]) return signal;
-  signal.lower = numberOf(node["range"][0]);
-  signal.upper = numberOf(node["range"][1]);
+  signal.lower = quotientOf(node["range"][0]);
+  signal.upper = quotientOf(node["range"][1]);
   return signal;
 }
 
@@ -40,7 +40,30 @@ std::vector<Signal> signalsOfModel(const YAML::Node& root) {
   }
   for (const auto& input : root["model"]["inputs"]) signals.push_back(signalOf(input));
   if (root["peak_in_map"] && root["peak_in_map"].as<bool>())
-    signals.push_back({"tau", "1", root["floor"] ? numberOf(root["floor"]) : 0.0, HUGE_VAL});
+    signals.push_back({"tau", "1", root["floor"] ? quotientOf(root["floor"]) : 0.0, HUGE_VAL});
+  return signals;
+}
+
+/// Of a file of type safety_filter: states, inputs before where there is a delay, wishes; then the inputs.
+std::vector<Signal> signalsOfFilter(const YAML::Node& root) {
+  std::vector<Signal> signals, inputs, wishes;
+  for (const auto& state : root["model"]["states"]) signals.push_back(signalOf(state));
+  for (const auto& input : root["model"]["inputs"]) {
+    inputs.push_back(signalOf(input));
+    wishes.push_back(inputs.back());
+    wishes.back().name += "_wish";
+    if (!input["wish"]) continue;
+    wishes.back().lower = quotientOf(input["wish"][0]);
+    wishes.back().upper = quotientOf(input["wish"][1]);
+  }
+  if (root["delay"] && root["delay"].as<double>() > 0.0) {
+    for (Signal before : inputs) {
+      before.name += "_before";
+      signals.push_back(std::move(before));
+    }
+  }
+  signals.insert(signals.end(), wishes.begin(), wishes.end());
+  signals.insert(signals.end(), inputs.begin(), inputs.end());
   return signals;
 }
 
@@ -79,8 +102,10 @@ void match(const Map& map, const YAML::Node& root) {
   constexpr std::size_t kFirst = 5;
   const bool is_program = static_cast<bool>(root["H"]);
   require(map.kind() == (is_program ? "json" : "yaml"), "the map's kind of problem is another one");
-  const std::vector<Signal> signals =
-      is_program ? signalsOfProgram(root, map.p, map.q) : signalsOfModel(root);
+  const bool is_filter = !is_program && root["type"].as<std::string>() == "safety_filter";
+  const std::vector<Signal> signals = is_program  ? signalsOfProgram(root, map.p, map.q)
+                                      : is_filter ? signalsOfFilter(root)
+                                                  : signalsOfModel(root);
   require(signals.size() == std::size_t{map.p} + map.q, "the map has another number of signals");
   for (std::size_t k = 0; k < signals.size(); ++k) {
     const Signal& signal = signals[k];
@@ -95,6 +120,15 @@ void match(const Map& map, const YAML::Node& root) {
 }
 
 }  // namespace
+
+std::string problemType(const std::string& problem) {
+  try {
+    const YAML::Node root = YAML::Load(problem);
+    return root.IsMap() && root["type"] ? root["type"].as<std::string>() : "";
+  } catch (const YAML::Exception& error) {
+    throw Refused(std::string("problem: ") + error.what());
+  }
+}
 
 void matchSignals(const Map& map, const std::string& problem) {
   try {

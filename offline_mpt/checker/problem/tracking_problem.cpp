@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "core/text.hpp"
+#include "problem/fields.hpp"
 
 namespace checker {
 namespace {
@@ -15,54 +15,20 @@ using Role = TrackingProblem::Role;
 
 constexpr std::size_t kMostSteps = 200;
 
-void requireKeys(const YAML::Node& node, const std::set<std::string>& known) {
-  require(node.IsMap(), "problem: an entry has no keys");
-  std::set<std::string> seen;
-  for (const auto& entry : node) {
-    const auto key = entry.first.as<std::string>();
-    require(known.count(key) > 0, "problem: " + key + " is not known to this checker");
-    require(seen.insert(key).second, "problem: " + key + " is given twice");
-  }
-}
-
-double numberOf(const YAML::Node& node) {
-  const auto value = node.as<double>();
-  require(std::isfinite(value), "problem: a number is not finite");
-  return value;
-}
-
 Ball ballOf(const YAML::Node& node) { return Ball(mpq_class(numberOf(node))); }
 
-TrackingProblem::Range rangeOf(const YAML::Node& node) {
-  require(node.IsSequence() && node.size() == 2, "problem: a range has two numbers");
-  return {numberOf(node[0]), numberOf(node[1])};
-}
-
-BallMatrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns) {
-  require(node.IsSequence() && node.size() == rows, "problem: a matrix has another size");
-  BallMatrix result(rows, columns);
-  for (std::size_t i = 0; i < rows; ++i) {
-    require(node[i].IsSequence() && node[i].size() == columns, "problem: a matrix has another size");
-    for (std::size_t j = 0; j < columns; ++j) result.at(i, j) = ballOf(node[i][j]);
-  }
-  return result;
+TrackingProblem::Range boundsOf(const YAML::Node& node) {
+  const auto [lower, upper] = rangeOf(node);
+  return {lower, upper};
 }
 
 /// A matrix, or its diagonal.
 BallMatrix weightOf(const YAML::Node& node, std::size_t size) {
   require(node.IsSequence() && node.size() == size, "problem: a weight has another size");
-  if (node[0].IsSequence()) return matrixOf(node, size, size);
+  if (node[0].IsSequence()) return ballMatrixOf(node, size, size);
   BallMatrix result(size, size);
   for (std::size_t i = 0; i < size; ++i) result.at(i, i) = ballOf(node[i]);
   return result;
-}
-
-/// One of several words; the first where there is none.
-std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& words) {
-  if (!node) return 0;
-  const auto at = std::find(words.begin(), words.end(), node.as<std::string>());
-  require(at != words.end(), "problem: " + node.as<std::string>() + " is not known to this checker");
-  return static_cast<std::size_t>(at - words.begin());
 }
 
 class Reader {
@@ -75,6 +41,7 @@ class Reader {
     requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
                         "sampling_time", "horizon", "moves", "control_horizon", "weights", "terminal_set",
                         "constraints", "parameters"});
+    require(root_["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
     require(root_["type"].as<std::string>() == "tracking_mpc", "problem: is of no type tracking_mpc");
     readSignals(root_["model"]);
     readModel(root_["model"]);
@@ -106,13 +73,13 @@ class Reader {
     for (const auto& state : model["states"]) {
       requireKeys(state, {"name", "unit", "range"});
       addName('x', state, problem_.states.size());
-      problem_.states.push_back(state["range"] ? rangeOf(state["range"]) : TrackingProblem::Range());
+      problem_.states.push_back(state["range"] ? boundsOf(state["range"]) : TrackingProblem::Range());
     }
     for (const auto& input : model["inputs"]) {
       requireKeys(input, {"name", "unit", "range", "change"});
       addName('u', input, problem_.inputs.size());
-      problem_.inputs.push_back(rangeOf(input["range"]));
-      problem_.changes.push_back(input["change"] ? rangeOf(input["change"]) : TrackingProblem::Range());
+      problem_.inputs.push_back(boundsOf(input["range"]));
+      problem_.changes.push_back(input["change"] ? boundsOf(input["change"]) : TrackingProblem::Range());
     }
     for (const auto& disturbance : model["disturbances"]) addName('d', disturbance, disturbance_count_++);
     std::size_t output_count = 0;
@@ -123,10 +90,10 @@ class Reader {
   void readModel(const YAML::Node& model) {
     const std::size_t nx = problem_.states.size(), nu = problem_.inputs.size();
     problem_.is_discrete = choiceOf(model["time"], {"continuous", "discrete"}) == 1;
-    problem_.A = matrixOf(model["A"], nx, nx);
-    problem_.B = matrixOf(model["B"], nx, nu);
-    problem_.C = matrixOf(model["C"], nu, nx);
-    problem_.B_d = model["B_d"] ? matrixOf(model["B_d"], nx, disturbance_count_) : BallMatrix(nx, 0);
+    problem_.A = ballMatrixOf(model["A"], nx, nx);
+    problem_.B = ballMatrixOf(model["B"], nx, nu);
+    problem_.C = ballMatrixOf(model["C"], nu, nx);
+    problem_.B_d = model["B_d"] ? ballMatrixOf(model["B_d"], nx, disturbance_count_) : BallMatrix(nx, 0);
     if (model["outputs"]) return;
     // An output without a name of its own has that of the state which it is.
     for (const auto& state : model["states"]) {
@@ -180,7 +147,7 @@ class Reader {
   void readTerminalSet(const YAML::Node& node) {
     requireKeys(node, {"T", "t"});
     const std::size_t rows = node["T"].size();
-    problem_.T = matrixOf(node["T"], rows, problem_.states.size());
+    problem_.T = ballMatrixOf(node["T"], rows, problem_.states.size());
     require(node["t"].IsSequence() && node["t"].size() == rows, "problem: terminal_set has another size");
     problem_.t = BallMatrix(rows, 1);
     for (std::size_t i = 0; i < rows; ++i) problem_.t.at(i, 0) = ballOf(node["t"][i]);
@@ -197,7 +164,7 @@ class Reader {
     } else {
       addTerm(node["of"].as<std::string>(), Ball(1), constraint);
     }
-    if (node["range"]) constraint.range = rangeOf(node["range"]);
+    if (node["range"]) constraint.range = boundsOf(node["range"]);
     if (node["lower"]) constraint.range.lower = numberOf(node["lower"]);
     if (node["upper"]) constraint.range.upper = numberOf(node["upper"]);
     constraint.is_absolute = choiceOf(node["measured_from"], {"zero", "reference"}) == 0;
@@ -239,7 +206,7 @@ class Reader {
     if (node["value"])
       parameter.fixed = numberOf(node["value"]);
     else
-      parameter.range = rangeOf(node["range"]);
+      parameter.range = boundsOf(node["range"]);
     problem_.parameters.push_back(parameter);
   }
 

@@ -144,7 +144,12 @@ void RobustCertificate::requireModel() const {
     require(at->second.rows == size.first && at->second.columns == size.second,
             "model " + name + ": its size does not fit");
   }
-  require(model_.size() == sizes.size(), "model: an unknown matrix");
+  // Only check_problem reads the gain of a fixed feedback: its effect is in the rows.
+  const auto feedback = model_.find("feedback_gain");
+  const bool has_feedback = feedback != model_.end();
+  require(!has_feedback || (feedback->second.rows == 1 && feedback->second.columns == nx),
+          "model feedback_gain: its size does not fit");
+  require(model_.size() == sizes.size() + (has_feedback ? 1 : 0), "model: an unknown matrix");
   constexpr std::size_t kMostChannels = 20;  // each vertex of the disturbances is tried
   require(model("G").columns <= kMostChannels, "model G: has too many channels");
   require(state_ranges_.empty() || state_ranges_.rbegin()->first < nx, "state_range: no such state");

@@ -157,6 +157,7 @@ class Head {
     addMatrix("drift", drift);
     addMatrix("C", problem.C);
     addMatrix("tie_gain", problem.tie_gain);
+    if (problem.feedback == FeedbackPrediction::kFixed) addMatrix("feedback_gain", problem.feedback_gain);
     addMatrix("state_shift", state_shift);
     addMatrix("input_shift", input_shift);
     addMatrix("range", range);

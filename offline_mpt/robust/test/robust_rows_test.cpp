@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "../../test/mutation.hpp"
+#include "problem/invariance.hpp"
 #include "problem/robust_match.hpp"
 #include "proven_robust.hpp"
 #include "random_robust.hpp"
 #include "robust/read_map_certificate.hpp"
+#include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
 namespace {
@@ -101,14 +103,65 @@ MadeRobust withoutInvariance() {
   return made;
 }
 
-TEST(RobustRows, OfAnInvariantSetBoundTheFirstStep) {
+TEST(RobustRows, OfAnInvariantSetBoundTheFirstStepOrTheLast) {
   MadeRobust made = withoutInvariance();
   const ProvenRobust without(made);
+  for (const char* const rule : {"first_step", "terminal"}) {
+    made.invariance = rule;
+    const ProvenRobust proven(made);
+    const checker::RobustMatch match = matchOf(proven.proof.certificate, proven.content, made.text());
+    EXPECT_GT(match.invariance_rows, 4u);
+    EXPECT_TRUE(match.is_greatest);
+    for (const char* const other : {"first_step", "terminal", "none"}) {
+      const std::string text =
+          replaced(made.text(), std::string("invariance: ") + rule, std::string("invariance: ") + other);
+      EXPECT_EQ(refusalOf(proven, text).empty(), std::string(rule) == other) << rule << " " << other;
+    }
+    EXPECT_NE(refusalOf(without, made.text()), "");
+    made.stack = "shift";
+    made.feedback = "fixed";
+  }
+}
+
+std::vector<checker::ExactHalfSpace> greatestSet(const MadeRobust& made) {
+  std::vector<checker::ExactHalfSpace> set;
+  for (const ExactHalfSpace& row : invariantParameters(made.problem()).rows) set.push_back({row.a, row.b});
+  return set;
+}
+
+// The greatest set of tighter bounds is invariant within the wider ones, and a smaller set than the greatest there.
+TEST(RobustRows, ASmallerInvariantSetIsNotTheGreatest) {
+  MadeRobust made = withoutInvariance();
   made.invariance = "first_step";
   const ProvenRobust proven(made);
-  EXPECT_GT(matchOf(proven.proof.certificate, proven.content, made.text()).invariance_rows, 0u);
-  EXPECT_NE(refusalOf(proven, replaced(made.text(), "invariance: first_step", "invariance: none")), "");
-  EXPECT_NE(refusalOf(without, made.text()), "");
+  const checker::Map map(bytesOf(proven.content));
+  const auto read = checker::readMapCertificate(proven.proof.certificate, map);
+  const auto& certificate = dynamic_cast<const checker::RobustCertificate&>(*read);
+  const checker::RobustProblem problem = checker::readRobustProblem(made.text());
+  MadeRobust tighter = made;
+  tighter.input = "[-2, 2.5]";
+  for (const auto& [set, is_greatest] :
+       {std::pair(greatestSet(made), true), std::pair(greatestSet(tighter), false)}) {
+    EXPECT_NO_THROW(checker::confirmInvariant(set, certificate, problem));
+    EXPECT_EQ(checker::isGreatestInvariant(set, certificate, problem), is_greatest);
+  }
+}
+
+// A gain of its own for the feedback, and the delay of the controller, which the model does not have.
+TEST(RobustRows, OfAFixedFeedbackHaveItsGain) {
+  MadeRobust made;
+  made.feedback = "fixed";
+  made.horizon = 4;
+  const std::string own = "feedback_gain: {Q: [3, 2, 1], R: [7]}\n";
+  const std::string text = replaced(made.text(), "model:\n", own + "model:\n  delay: 0.02\n");
+  const ProvenRobust proven(parseRobustProblem(text, "made.yaml"));
+  ASSERT_NE(proven.proof.certificate, "");
+  EXPECT_EQ(refusalOf(proven, text), "");
+  EXPECT_NE(refusalOf(proven, replaced(text, own, "")), "");
+  EXPECT_NE(refusalOf(proven, replaced(text, "R: [7]", "R: [7.000001]")), "");
+  EXPECT_NE(refusalOf(proven, replaced(text, "{Q: [3, 2, 1], R: [7]}", "{gain: [[-0.1, -0.2, -0.3]]}")), "");
+  EXPECT_NE(refusalOf(proven, replaced(text, "feedback_predictions: fixed", "feedback_predictions: free")),
+            "");
 }
 
 TEST(RobustRows, OfADiscreteModelAreExact) {
@@ -174,7 +227,7 @@ class RobustRowMutation : public Mutation {
   }
 };
 
-/// A row of a certificate without plan and terms, whose bound is greater by a 64th.
+/// A row of a certificate whose bound is greater by a 64th.
 std::string loosened(const std::string& line) {
   const std::size_t end = line.find(' ', 4);
   const mpq_class bound = mpq_class(line.substr(4, end - 4), 16) + mpq_class(1, 64);
@@ -189,24 +242,27 @@ void expectLoosenedSetsRefused(const MadeRobust& made) {
   std::vector<std::string> lines = linesOf(proven.proof.certificate);
   std::size_t of_the_set = 0;
   for (std::string& line : lines) {
-    if (line.compare(0, 4, "row ") != 0 || line.compare(line.size() - 4, 4, " 0 0") != 0) continue;
+    if (line.compare(0, 4, "row ") != 0) continue;
     const std::string kept = line;
     line = loosened(kept);
     const std::string refusal =
         refusalOf(sealed(joined(lines, "\n") + "\n", bytesOf(proven.content)), proven.content, made.text());
     const bool says_nothing_of_input = kept.compare(kept.size() - 8, 8, " 0 0 0 0") == 0;
     EXPECT_TRUE(refusal != "" || says_nothing_of_input) << kept;
-    if (refusal.find("that the first step must reach") != std::string::npos) ++of_the_set;
+    if (refusal.find("invariant") != std::string::npos) ++of_the_set;
     line = kept;
   }
   EXPECT_GT(match.invariance_rows, 4u);
+  EXPECT_TRUE(match.is_greatest);
   EXPECT_GE(of_the_set + 2, match.invariance_rows);
 }
 
 TEST(RobustRows, OfASetThatIsNotInvariantAreRefused) {
   MadeRobust made = withoutInvariance();
-  made.invariance = "first_step";
-  expectLoosenedSetsRefused(made);
+  for (const char* const rule : {"first_step", "terminal"}) {
+    made.invariance = rule;
+    expectLoosenedSetsRefused(made);
+  }
   MadeRobust followed = withReferences();
   followed.invariance = "first_step";
   followed.torque = false;

@@ -1,0 +1,63 @@
+#include "problem/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+
+namespace checker {
+
+void requireKeys(const YAML::Node& node, const std::set<std::string>& known) {
+  require(node.IsMap(), "problem: an entry has no keys");
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    const auto key = entry.first.as<std::string>();
+    require(known.count(key) > 0, "problem: " + key + " is not known to this checker");
+    require(seen.insert(key).second, "problem: " + key + " is given twice");
+  }
+}
+
+std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& words) {
+  if (!node) return 0;
+  const auto at = std::find(words.begin(), words.end(), node.as<std::string>());
+  require(at != words.end(), "problem: " + node.as<std::string>() + " is not known to this checker");
+  return static_cast<std::size_t>(at - words.begin());
+}
+
+double numberOf(const YAML::Node& node) {
+  const auto value = node.as<double>();
+  require(std::isfinite(value), "problem: a number is not finite");
+  return value;
+}
+
+std::pair<double, double> rangeOf(const YAML::Node& node) {
+  require(node.IsSequence() && node.size() == 2, "problem: a range has two numbers");
+  return {numberOf(node[0]), numberOf(node[1])};
+}
+
+BallMatrix ballMatrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns) {
+  const Matrix exact = matrixOf(node, rows, columns);
+  BallMatrix result(rows, columns);
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) result.at(i, j) = Ball(exact.at(i, j));
+  return result;
+}
+
+Matrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns) {
+  require(node.IsSequence() && node.size() == rows, "problem: a matrix has another size");
+  Matrix result{rows, columns, {}};
+  for (const auto& row : node) {
+    require(row.IsSequence() && row.size() == columns, "problem: a matrix has another size");
+    for (const auto& entry : row) result.entries.emplace_back(numberOf(entry));
+  }
+  return result;
+}
+
+Matrix columnOf(const YAML::Node& node, std::size_t rows) {
+  require(node.IsSequence() && node.size() == rows, "problem: a list has another size");
+  Matrix result{rows, 1, {}};
+  for (const auto& entry : node) result.entries.emplace_back(numberOf(entry));
+  return result;
+}
+
+}  // namespace checker

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/program.hpp"
+#include "problem/ball.hpp"
+
+/// Fields of problem files. Numbers are doubles at their exact values. All throw Refused.
+namespace checker {
+
+/// The node is a map of some of these keys, each once.
+void requireKeys(const YAML::Node& node, const std::set<std::string>& known);
+
+/// One of several words; the first where there is none.
+std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& words);
+
+/// A finite number.
+double numberOf(const YAML::Node& node);
+/// Two numbers.
+std::pair<double, double> rangeOf(const YAML::Node& node);
+
+BallMatrix ballMatrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns);
+Matrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns);
+/// A column.
+Matrix columnOf(const YAML::Node& node, std::size_t rows);
+
+}  // namespace checker

@@ -1,0 +1,93 @@
+#include "problem/filter_problem.hpp"
+
+#include "core/text.hpp"
+#include "problem/fields.hpp"
+
+namespace checker {
+namespace {
+
+// What a file says that does not say it.
+constexpr double kInputError = 1e-6;
+constexpr double kMargin = 1e-4;
+
+double orElse(const YAML::Node& node, double absent) { return node ? numberOf(node) : absent; }
+
+FilterProblem::Range filterRange(const YAML::Node& node) {
+  const FilterProblem::Range range = rangeOf(node);
+  require(range.first < range.second, "problem: a range is empty");
+  return range;
+}
+
+double errorOf(const YAML::Node& node, double absent) {
+  const double error = orElse(node, absent);
+  require(error >= 0.0, "problem: an error is negative");
+  return error;
+}
+
+void readFilterSignals(const YAML::Node& model, FilterProblem& problem) {
+  for (const auto& state : model["states"]) {
+    requireKeys(state, {"name", "unit", "range", "error"});
+    problem.states.push_back(filterRange(state["range"]));
+    problem.state_errors.push_back(errorOf(state["error"], 0.0));
+  }
+  for (const auto& input : model["inputs"]) {
+    requireKeys(input, {"name", "unit", "range", "wish", "weight", "error"});
+    problem.inputs.push_back(filterRange(input["range"]));
+    problem.wishes.push_back(input["wish"] ? filterRange(input["wish"]) : problem.inputs.back());
+    problem.weights.push_back(orElse(input["weight"], 1.0));
+    require(problem.weights.back() > 0.0, "problem: a weight is not positive");
+    problem.input_errors.push_back(errorOf(input["error"], kInputError));
+  }
+  for (const auto& disturbance : model["disturbances"]) {
+    requireKeys(disturbance, {"name", "unit", "range"});
+    problem.disturbances.push_back(filterRange(disturbance["range"]));
+  }
+  require(!problem.states.empty() && !problem.inputs.empty(), "problem: there are no states or inputs");
+}
+
+void readSafeSet(const YAML::Node& set, FilterProblem& problem) {
+  require(set && set.IsMap(), "problem: safe_set is missing");
+  requireKeys(set, {"H", "k", "G", "b", "M"});
+  const std::size_t rows = set["H"].size();
+  problem.H = matrixOf(set["H"], rows, problem.size());
+  problem.k = columnOf(set["k"], rows);
+  problem.G = matrixOf(set["G"], rows, problem.inputCount());
+  problem.b = columnOf(set["b"], rows);
+  problem.M = matrixOf(set["M"], rows, problem.size());
+}
+
+FilterProblem readFilter(const YAML::Node& root) {
+  requireKeys(root, {"polyfly_problem", "name", "type", "description", "model", "sampling_time", "delay",
+                     "margin", "safe_set"});
+  require(root["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
+  require(root["type"].as<std::string>() == "safety_filter", "problem: is of no type safety_filter");
+  const YAML::Node model = root["model"];
+  requireKeys(model, {"states", "inputs", "disturbances", "A", "B", "B_d"});
+  FilterProblem problem;
+  readFilterSignals(model, problem);
+  const std::size_t nx = problem.stateCount(), nd = problem.disturbances.size();
+  problem.A = ballMatrixOf(model["A"], nx, nx);
+  problem.B = ballMatrixOf(model["B"], nx, problem.inputCount());
+  require(model["B_d"] || nd == 0, "problem: B_d is missing");
+  problem.B_d = model["B_d"] ? ballMatrixOf(model["B_d"], nx, nd) : BallMatrix(nx, 0);
+  problem.sampling_time = numberOf(root["sampling_time"]);
+  problem.delay = orElse(root["delay"], 0.0);
+  problem.margin = orElse(root["margin"], kMargin);
+  require(problem.sampling_time > 0.0 && problem.delay >= 0.0 && problem.delay <= problem.sampling_time &&
+              problem.margin > 0.0,
+          "problem: sampling_time, delay or margin is out of range");
+  readSafeSet(root["safe_set"], problem);
+  return problem;
+}
+
+}  // namespace
+
+FilterProblem readFilterProblem(const std::string& text) {
+  try {
+    return readFilter(YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    throw Refused(std::string("problem: ") + error.what());
+  }
+}
+
+}  // namespace checker
