@@ -300,7 +300,7 @@ bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, do
   start[n] = least - 0.5;
   direction[n] = 1.0;
   if (!lifted_->maximise(lifted_rows_.data(), count, start, direction, best) &&
-      !RationalPolytope(n + 1, lifted_rows_.data(), count).maximise(start, direction, best)) {
+      !maximiseRationally(n + 1, lifted_rows_.data(), count, start, direction, best)) {
     return false;
   }
   std::copy(best, best + n, centre);
@@ -352,13 +352,13 @@ bool PolytopeSolver::minimalBeside(int kept, const double* rows, int count, cons
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,
                              double* point) {
   return plain_->maximise(rows, count, interior, direction, point) ||
-         RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
+         maximiseRationally(dimension_, rows, count, interior, direction, point);
 }
 
 bool PolytopeSolver::furthest(const double* rows, int count, const double* interior, const double* direction,
                               double* point) {
   return plain_->climb(rows, count, interior, direction, point) ||
-         RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
+         maximiseRationally(dimension_, rows, count, interior, direction, point);
 }
 
 unsigned long long PolytopeSolver::pivots() const { return plain_->pivots() + lifted_->pivots(); }
