@@ -285,8 +285,8 @@ TEST(RationalPolytope, AnswersAsTheSolverInDoubles) {
       for (double& entry : direction) entry = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
       ASSERT_TRUE(
           solver.support(rows.data.data(), rows.count(), inside.data(), direction.data(), furthest.data()));
-      RationalPolytope rational(n, rows.data.data(), rows.count());
-      ASSERT_TRUE(rational.maximise(inside.data(), direction.data(), point.data()));
+      ASSERT_TRUE(maximiseRationally(n, rows.data.data(), rows.count(), inside.data(), direction.data(),
+                                     point.data()));
       double difference = 0.0;
       for (int j = 0; j < n; ++j) difference += direction[j] * (point[j] - furthest[j]);
       EXPECT_NEAR(difference, 0.0, 1e-12);
@@ -304,7 +304,7 @@ TEST(RationalPolytope, EndsWhereRowsNearlyCoincide) {
   const double inside[3] = {0.0, 0.0, 0.0};
   const double direction[3] = {1.0, 1.0, 1.0};
   double point[3];
-  ASSERT_TRUE(RationalPolytope(3, rows.data.data(), rows.count()).maximise(inside, direction, point));
+  ASSERT_TRUE(maximiseRationally(3, rows.data.data(), rows.count(), inside, direction, point));
   EXPECT_NEAR(point[0] + point[1] + point[2], 1.0, 1e-12);
   MinimalRows minimal;
   ASSERT_TRUE(minimalRationally(0, 3, rows.data.data(), rows.count(), inside, kTolerance, minimal));
@@ -319,10 +319,10 @@ TEST(RationalPolytope, SaysWhenThereIsNoEnd) {
   const double up[2] = {1.0, 1.0};
   const double down[2] = {-1.0, 0.0};
   double point[2];
-  EXPECT_TRUE(RationalPolytope(2, rows.data.data(), rows.count()).maximise(inside, up, point));
-  EXPECT_FALSE(RationalPolytope(2, rows.data.data(), rows.count()).maximise(inside, down, point));
+  EXPECT_TRUE(maximiseRationally(2, rows.data.data(), rows.count(), inside, up, point));
+  EXPECT_FALSE(maximiseRationally(2, rows.data.data(), rows.count(), inside, down, point));
   rows.data.back() = std::nan("");
-  EXPECT_FALSE(RationalPolytope(2, rows.data.data(), rows.count()).maximise(inside, up, point));
+  EXPECT_FALSE(maximiseRationally(2, rows.data.data(), rows.count(), inside, up, point));
 }
 
 TEST(Polytope, RefusesDimensionsItHasNoKernelFor) {

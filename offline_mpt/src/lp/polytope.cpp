@@ -1,275 +1,25 @@
 #include "lp/polytope.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string>
-#include <utility>
 
-#include "lp/dictionary.hpp"
+#include "lp/polytope_kernel.hpp"
 #include "lp/rational_polytope.hpp"
 #include "lp/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 
-class PolytopeSolver::Kernel {
- public:
-  virtual ~Kernel() = default;
-  virtual bool minimal(int kept, const double* rows, int count, const double* interior, double tolerance,
-                       MinimalRows& result) = 0;
-  /// Maximises direction . t from `start`, which must satisfy every row; `point` receives the maximiser.
-  virtual bool maximise(const double* rows, int count, const double* start, const double* direction,
-                        double* point) = 0;
-  /// As `maximise`, straight towards the maximiser.
-  virtual bool climb(const double* rows, int count, const double* start, const double* direction,
-                     double* point) = 0;
-  /// Of `rows` in one dimension less, the first of which are those of the box: centre and radius of the
-  /// largest ball, `hopeless` where its radius is below -kHopelessRadius for certain.
-  enum class Ball { kFound, kHopeless, kFailed };
-  virtual Ball ballInBox(const double* rows, int count, double* ball) = 0;
-  virtual unsigned long long pivots() const = 0;
-};
-
-namespace {
-
-enum class RowState : char { kUnknown, kFacet, kRedundant };
-
-template <int N>
-class KernelOf final : public PolytopeSolver::Kernel {
- public:
-  bool minimal(int kept, const double* rows, int count, const double* interior, double tolerance,
-               MinimalRows& result) override {
-    if (!dictionary_.start(rows, count, interior)) return false;
-    state_.assign(count, RowState::kUnknown);
-    std::fill_n(state_.begin(), kept, RowState::kFacet);
-    beyond_.resize(static_cast<std::size_t>(count) * N);
-    tolerance_ = tolerance;
-    sweep();
-    for (int i = kept; i < count; ++i) {
-      if (state_[i] == RowState::kUnknown && !decide(i)) return false;
-    }
-    result.facets.clear();
-    result.beyond.clear();
-    for (int i = kept; i < count; ++i) {
-      if (state_[i] != RowState::kFacet) continue;
-      result.facets.push_back(i);
-      const double* point = beyond_.data() + static_cast<std::size_t>(i) * N;
-      result.beyond.insert(result.beyond.end(), point, point + N);
-    }
-    return true;
-  }
-
-  bool maximise(const double* rows, int count, const double* start, const double* direction,
-                double* point) override {
-    if (!dictionary_.start(rows, count, start)) return false;
-    int stalled = 0;
-    for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
-      const auto objective = objectiveOf(direction);
-      const int column = dictionary_.fallingColumn(objective, stalled > Dictionary<N>::kStallLimit);
-      if (column < 0) {
-        dictionary_.point(0, 0.0, point);
-        return true;
-      }
-      const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing);
-      if (blocking < 0) return false;
-      stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
-      dictionary_.pivot(blocking, column);
-    }
-    return false;
-  }
-
-  bool climb(const double* rows, int count, const double* start, const double* direction,
-             double* point) override {
-    dictionary_.startFree(rows, count, start);
-    int stalled = 0;
-    for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
-      const auto objective = objectiveOf(direction);
-      double way = Dictionary<N>::kGrowing;
-      const int column = stalled > Dictionary<N>::kStallLimit ? dictionary_.fallingColumn(objective, true)
-                                                              : dictionary_.steepestColumn(objective, way);
-      if (column < 0) {
-        dictionary_.point(0, 0.0, point);
-        return true;
-      }
-      const auto [step, blocking] = dictionary_.ratio(column, way);
-      if (blocking < 0) return false;
-      stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
-      dictionary_.pivot(blocking, column);
-    }
-    return false;
-  }
-
-  // A ball has a radius and at least one coordinate.
-  Ball ballInBox(const double* rows, int count, double* ball) override {
-    if constexpr (N > 1) {
-      return largestBall(rows, count, ball);
-    } else {
-      return Ball::kFailed;
-    }
-  }
-
-  unsigned long long pivots() const override { return dictionary_.pivots(); }
-
- private:
-  static constexpr int kDualPivotLimit = 40 * (N + 1);
-
-  // -direction . t in terms of the columns.
-  typename Dictionary<N>::Row objectiveOf(const double* direction) const {
-    typename Dictionary<N>::Row objective;
-    objective.fill(0.0);
-    for (int q = 0; q < N; ++q) {
-      if (direction[q] == 0.0) continue;
-      for (int k = 0; k <= N; ++k) objective[k] -= direction[q] * dictionary_.coordinate(q, k);
-    }
-    return objective;
-  }
-
-  // The dual simplex: what the rows looked at so far allow bounds the radius from above.
-  Ball largestBall(const double* rows, int count, double* ball) {
-    dictionary_.startInBox(rows, count);
-    for (int round = 0; round < kDualPivotLimit; ++round) {
-      const int place = dictionary_.worstPlace(tolerance::kNegativeSlack);
-      if (place < 0) {
-        dictionary_.point(0, 0.0, ball);
-        return Ball::kFound;
-      }
-      const int column = enteringColumn(dictionary_.slack(place));
-      if (column < 0) return Ball::kFailed;
-      dictionary_.pivot(place, column);
-      if (dictionary_.coordinate(N - 1, 0) >= -2.0 * tolerance::kHopelessRadius) continue;
-      ball[N - 1] = radiusBound(rows);
-      if (ball[N - 1] < -tolerance::kHopelessRadius) return Ball::kHopeless;
-    }
-    return Ball::kFailed;
-  }
-
-  // Along which the row grows while the radius, the last coordinate, falls least.
-  int enteringColumn(const typename Dictionary<N>::Row& row) const {
-    int best = -1;
-    double least = std::numeric_limits<double>::infinity();
-    for (int j = 0; j < N; ++j) {
-      if (row[j + 1] <= tolerance::kPivot) continue;
-      const double price = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0) / row[j + 1];
-      if (price > least || (price == least && best >= 0 && row[j + 1] <= row[best + 1])) continue;
-      least = price;
-      best = j;
-    }
-    return best;
-  }
-
-  // What the rows that are zero here allow, whatever rounding did before: weights w of rows, none negative,
-  // with sum w a = v bound the radius by (sum w b + |v|_1) / sum w, since |t_j| <= 1.
-  double radiusBound(const double* rows) const {
-    double total = 0.0, bound = 0.0;
-    std::array<double, N> left{};
-    for (int j = 0; j < N; ++j) {
-      const double weight = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0);
-      const double* row = rows + static_cast<std::ptrdiff_t>(dictionary_.nonbasic(j)) * N;
-      total += weight;
-      bound += weight * row[N - 1];
-      for (int q = 0; q + 1 < N; ++q) left[q] += weight * row[q];
-    }
-    for (int q = 0; q + 1 < N; ++q) bound += std::abs(left[q]);
-    return total > 0.0 ? bound / total : std::numeric_limits<double>::infinity();
-  }
-
-  static constexpr double kReach = 1.0;  // `beyond` points stay within this of the vertex
-
-  // Reads off the current dictionary what it proves. A slack that grows along every column never
-  // falls below its value here; a tight row whose column can go negative is needed.
-  void sweep() {
-    int found = 0;
-    const int* growing = dictionary_.growingPlaces(found);
-    for (int c = found - 1; c >= 0; --c) {  // downwards: what takes a place was looked at before
-      const int row = dictionary_.rowAt(growing[c]);
-      if (state_[row] == RowState::kUnknown && dictionary_.value(growing[c]) >= 0.0) markRedundant(row);
-    }
-    for (int j = 0; j < N; ++j) {
-      const int i = dictionary_.nonbasic(j);
-      if (state_[i] == RowState::kUnknown) provedByColumn(i, j);
-    }
-  }
-
-  // Whether row i, tight in column j, can be violated alone by more than the tolerance.
-  bool provedByColumn(int i, int j) {
-    const double step = std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking).step, kReach);
-    if (step <= tolerance_) return false;
-    markFacet(i, j, -step);
-    return true;
-  }
-
-  // Minimises slack i over the other rows until it is negative or at its minimum.
-  bool decide(int i) {
-    int stalled = 0;
-    for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
-      const int place = dictionary_.place(i);
-      if (place < 0) {
-        const int own = dictionary_.column(i);
-        const Blocking found = dictionary_.ratio(own, Dictionary<N>::kShrinking);
-        const double step = std::min(found.step, kReach);
-        if (step > tolerance_) {
-          markFacet(i, own, -step);
-          return true;
-        }
-        dictionary_.pivot(found.place, own);
-        ++stalled;
-        continue;
-      }
-      const auto row = dictionary_.slack(place);
-      const int column = dictionary_.fallingColumn(row, stalled > Dictionary<N>::kStallLimit);
-      if (column < 0) {
-        markRedundant(i);
-        return true;
-      }
-      const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing, place);
-      if (row[0] + row[column + 1] * step < -tolerance_) {
-        const double reach = std::min(step, (row[0] + kReach) / -row[column + 1]);
-        markFacet(i, column, reach);
-        return true;
-      }
-      if (blocking < 0) return false;
-      stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
-      dictionary_.pivot(blocking, column);
-      if (stalled == 0) sweep();
-      if (state_[i] != RowState::kUnknown) return true;
-    }
-    return false;
-  }
-
-  void markRedundant(int i) {
-    state_[i] = RowState::kRedundant;
-    dictionary_.remove(dictionary_.place(i));
-  }
-
-  void markFacet(int i, int column, double step) {
-    state_[i] = RowState::kFacet;
-    dictionary_.point(column, step, beyond_.data() + static_cast<std::size_t>(i) * N);
-  }
-
-  Dictionary<N> dictionary_;
-  std::vector<RowState> state_;
-  std::vector<double> beyond_;
-  double tolerance_ = 0.0;
-};
-
-template <int N>
-std::unique_ptr<PolytopeSolver::Kernel> makeKernel(int dimension) {
-  if (dimension == N) return std::make_unique<KernelOf<N>>();
-  if constexpr (N <= PolytopeSolver::kMaxDimension) {
-    return makeKernel<N + 1>(dimension);
-  } else {
-    return nullptr;
-  }
-}
-
-}  // namespace
-
 PolytopeSolver::PolytopeSolver(int dimension) : dimension_(dimension) {
   if (dimension < 1 || dimension > kMaxDimension) {
     throw Error("polytope: dimension must be 1 to " + std::to_string(kMaxDimension) + ", got " +
                 std::to_string(dimension));
   }
-  plain_ = makeKernel<1>(dimension);
-  lifted_ = makeKernel<1>(dimension + 1);
+  plain_ = makeKernel(dimension);
+  lifted_ = makeKernel(dimension + 1);
 }
 
 PolytopeSolver::~PolytopeSolver() = default;
@@ -300,7 +50,7 @@ bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, do
   start[n] = least - 0.5;
   direction[n] = 1.0;
   if (!lifted_->maximise(lifted_rows_.data(), count, start, direction, best) &&
-      !RationalPolytope(n + 1, lifted_rows_.data(), count).maximise(start, direction, best)) {
+      !maximiseRationally(n + 1, lifted_rows_.data(), count, start, direction, best)) {
     return false;
   }
   std::copy(best, best + n, centre);
@@ -352,13 +102,21 @@ bool PolytopeSolver::minimalBeside(int kept, const double* rows, int count, cons
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,
                              double* point) {
   return plain_->maximise(rows, count, interior, direction, point) ||
-         RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
+         maximiseRationally(dimension_, rows, count, interior, direction, point);
 }
 
 bool PolytopeSolver::furthest(const double* rows, int count, const double* interior, const double* direction,
                               double* point) {
   return plain_->climb(rows, count, interior, direction, point) ||
-         RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
+         maximiseRationally(dimension_, rows, count, interior, direction, point);
+}
+
+BoxOptimum::Status PolytopeSolver::maximiseInBox(const double* rows, int count, const double* direction,
+                                                 BoxOptimum& optimum) {
+  const BoxOptimum::Status status = plain_->maximiseInBox(rows, count, direction, optimum);
+  const bool finite =
+      std::all_of(optimum.t.begin(), optimum.t.end(), [](double value) { return std::isfinite(value); });
+  return finite ? status : BoxOptimum::Status::kFailed;
 }
 
 unsigned long long PolytopeSolver::pivots() const { return plain_->pivots() + lifted_->pivots(); }

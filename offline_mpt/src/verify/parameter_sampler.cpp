@@ -107,8 +107,9 @@ double ParameterSampler::exactRadius(const Eigen::MatrixXd& A, double radius) co
   start.push_back(radius - 2.0 * tolerance::kInteriorPointAccuracy);
   std::vector<double> direction(start.size(), 0.0), point(start.size());
   direction.back() = 1.0;
-  RationalPolytope polytope(static_cast<int>(A.cols()), rows.data(), static_cast<int>(A.rows()));
-  return polytope.maximise(start.data(), direction.data(), point.data()) ? point.back() : radius;
+  const bool found = maximiseRationally(static_cast<int>(A.cols()), rows.data(), static_cast<int>(A.rows()),
+                                        start.data(), direction.data(), point.data());
+  return found ? point.back() : radius;
 }
 
 // Moves t along a direction to the nearest face, whose number is returned in `face`; -1 if there is none.
