@@ -21,8 +21,8 @@ struct BoxOptimum {
   /// -t_j <= 1 the next.
   std::vector<int> basis;
   /// Rows with weights > 0, whose combination is `direction`. Among rows that nearly repeat each other these may lose
-  /// most of their digits; the maximum does not. Where the rows exclude each other, the
-  /// combination of these is 0 . t <= negative.
+  /// most of their digits; the maximum does not. Where the rows exclude each other, the combination of these is
+  /// 0 . t <= negative.
   std::vector<std::pair<int, double>> weights;
 };
 
