@@ -9,8 +9,8 @@
 namespace polyfly {
 
 /// Rows that are collected one by one, and max c . x over a . x <= b and |x_j| <= 1 in floating point, by
-/// PolytopeSolver::maximiseInBox. In proofs, what it answers is proven or refused in whole numbers. The exploration uses
-/// it as it is.
+/// PolytopeSolver::maximiseInBox. In proofs, what it answers is proven or refused in whole numbers. The
+/// exploration uses it as it is.
 class FloatLp {
  public:
   using Status = BoxOptimum::Status;

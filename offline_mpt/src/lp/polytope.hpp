@@ -20,8 +20,9 @@ struct BoxOptimum {
   /// Rows that are tight at t, as many as dimensions. The sides of the box follow the rows: t_j <= 1 is `count` + 2 j,
   /// -t_j <= 1 the next.
   std::vector<int> basis;
-  /// Of them those with weights > 0, whose combination is `direction`. Where the rows exclude each other, the
-  /// combination of these is 0 . t <= negative.
+  /// Rows with weights > 0, whose combination is `direction`. Among rows that nearly repeat each other these may lose
+  /// most of their digits; the maximum does not. Where the rows exclude each other, the combination of these is
+  /// 0 . t <= negative.
   std::vector<std::pair<int, double>> weights;
 };
 

@@ -6,8 +6,8 @@
 
 namespace polyfly {
 
-/// What PolytopeSolver asks a dictionary, in a dimension that the compiler knows. False, or kFailed, where rounding leads
-/// the pivots astray.
+/// What PolytopeSolver asks a dictionary, in a dimension that the compiler knows. False, or kFailed, where rounding
+/// leads the pivots astray.
 class PolytopeSolver::Kernel {
  public:
   virtual ~Kernel() = default;
