@@ -6,8 +6,8 @@
 namespace checker {
 namespace {
 
-constexpr int kReach = 8;       // tolerances by which a row that is not tested may be violated
-constexpr int kWideBits = 26;   // look-ups accept no more than |t_j| <= 1 + 2^-26
+constexpr int kReach = 8;      // tolerances by which a row that is not tested may be violated
+constexpr int kWideBits = 26;  // look-ups accept no more than |t_j| <= 1 + 2^-26
 constexpr double kMostTolerance = 1e-8;
 
 }  // namespace
