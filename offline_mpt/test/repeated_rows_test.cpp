@@ -143,6 +143,11 @@ TEST(RepeatedRows, NoCellIsSoThinThatItsRegionsAreLost) {
   }
 }
 
+// The dictionary of the tree loses that a region reaches 5e-12 across a plane.
+TEST(RepeatedRows, WhatReachesIntoACellIsDecidedByFactors) {
+  expectProven(repeatedThrice(122, 3, 1e-10, {4, 9, 4}));
+}
+
 TEST(RepeatedRows, AreNamedWhereTheyCountAsTwo) {
   const ProgramSize size{3, 8, 2};
   EXPECT_TRUE(explore(madeProgram(3, size)).near_rows.empty());

@@ -17,11 +17,13 @@ double sign(unsigned side) { return side == kBelow ? -1.0 : 1.0; }
 
 }  // namespace
 
-MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance)
+MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful)
     : regions_(regions),
       tolerance_(side_tolerance),
+      is_careful_(is_careful),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       solver_(regions.p),
+      by_factors_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),
       point_(static_cast<std::size_t>(regions.p)) {}
 
@@ -240,8 +242,23 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
   if (!solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data())) {
     return true;  // undecided: it stays on both sides
   }
-  if (side * kernels_.distance(normal, point_.data(), p) <= tolerance_) return false;
+  const double reach = side * kernels_.distance(normal, point_.data(), p);
+  if (reach <= tolerance_ &&
+      (!is_careful_ || reach < -tolerance::kDoubtfulReach || !reachesByFactors(plane, side)))
+    return false;
   member.points.insert(member.points.end(), point_.begin(), point_.end());
+  return true;
+}
+
+// The same by FloatLp, which factorises the rows themselves: a dictionary may have lost the digits.
+bool MemberSolver::reachesByFactors(std::size_t plane, double side) {
+  const auto width = static_cast<std::ptrdiff_t>(parameters() + 1);
+  by_factors_.clear();
+  for (auto row = rows_.begin(); row != rows_.end(); row += width)
+    by_factors_.add(std::vector<double>(row, row + width));
+  if (by_factors_.maximise(direction_) != FloatLp::Status::kOptimal) return false;
+  if (by_factors_.objective() - side * this->plane(plane)[width - 1] <= tolerance_) return false;
+  point_ = by_factors_.x();
   return true;
 }
 
