@@ -17,8 +17,6 @@ constexpr std::size_t kMostNear = 30;         // regions of one leaf
 constexpr std::size_t kMostNearCells = 5000;  // for one of them
 constexpr int kMostStarts = 4;                // starting points of one leaf
 
-// How deep a starting point is to be in path rows that do not press, beside the others.
-constexpr double kLightRow = 0x1p-6;
 // Path rows that hold by less than this at a point press on it, beside the depth of the part.
 constexpr long kPressing = 64;
 
@@ -73,7 +71,7 @@ bool LeafWalk::tryStart(std::uint32_t place, Start& start) const {
     lp.add(row);
   };
   for (std::size_t k = 0; k < path_.size(); ++k)
-    add(context_.planes.moved(path_[k], 0).unit, presses_[k] != 0 ? 1.0 : kLightRow);
+    add(context_.planes.moved(path_[k], 0).unit, presses_[k] != 0 ? 1.0 : tolerance::kLightRow);
   for (const ExactRow& row : listed) add(row.unit, tolerance::kRegionShare);
   for (int side = 0; side < 2 * p; ++side) add(boxRow(p, side).unit, tolerance::kRegionShare);
   std::vector<double> direction(static_cast<std::size_t>(p) + 1, 0.0);
