@@ -21,7 +21,7 @@ constexpr int kMostStarts = 4;                // starting points of one leaf
 constexpr long kPressing = 64;
 
 // A positive number rounded down to kShareBits bits.
-Rational rounded(const Rational& number) {
+Rational shareBelow(const Rational& number) {
   const double value = number.get_d();
   int exponent = 0;
   const double fraction = std::frexp(value, &exponent);
@@ -124,7 +124,7 @@ bool LeafWalk::chooseShare(const Start& start) {
   const Integer error = planes.up(Rational(plane_error) + Rational(context_.check.options.plane_tolerance));
   const Integer room = planes.tolerance() - 2 * planes.rounding() - error;
   if (room <= 0) return false;
-  share_ = rounded(Rational(room, greatest + planes.tolerance()));
+  share_ = shareBelow(Rational(room, greatest + planes.tolerance()));
   depths_.clear();
   for (const std::int32_t row : path_) {
     const Rational depth = valueOf(context_.planes.row(row), start.point) + planes.rounding();
