@@ -255,11 +255,11 @@ TEST_F(LookupMutation, StartingPointsAreChecked) {
   int tried = 0;
   EXPECT_NE(refusalOfLines("leaf walk ", setting(2, "999"), tried), "");
   EXPECT_GT(tried, 5);
-  EXPECT_NE(refusalOfLines("leaf walk ", setting(3, "0"), tried),
-            "");  // depth: the point would be deep enough
+  for (const char* share : {"0", "-1/10000000000", "1", "1/100"})
+    EXPECT_NE(refusalOfLines("leaf walk ", setting(3, share), tried), "") << share;
   EXPECT_NE(refusalOfLines("leaf walk ", setting(4, "2"), tried), "");
   EXPECT_NE(refusalOfLines("leaf walk ", setting(4, "-1/1"), tried), "");
-  EXPECT_NE(refusalOfLines("leaf walk ", replacing({"leaf", "walk", "0", "40"}), tried), "");
+  EXPECT_NE(refusalOfLines("leaf walk ", replacing({"leaf", "walk", "0", "1/10000000000"}), tried), "");
   EXPECT_NE(refusalOfLines("leaf ", replacing({"leaf", "cover", "e", "1", "0", "1"}), tried), "");
 }
 

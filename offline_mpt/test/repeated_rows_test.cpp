@@ -114,7 +114,8 @@ TEST(RepeatedRows, NoLookUpIsLostBetweenPlanesThatAreAllButParallel) {
 
 // Of four such half-spaces a dictionary drops one that is needed.
 TEST(RepeatedRows, HalfSpacesThatAreAllButParallelAreToldApart) {
-  for (const Repeated& made : {Repeated{13, 2, 1e-8}, Repeated{24, 2, 1e-8}, Repeated{43, 2, 1e-8}}) {
+  for (const Repeated& made :
+       {Repeated{13, 2, 1e-8}, Repeated{24, 2, 1e-8}, Repeated{39, 2, 1e-8}, Repeated{43, 2, 1e-8}}) {
     SCOPED_TRACE(testing::Message() << made.seed);
     expectProven(repeatedThrice(made.seed, made.rows, made.noise));
   }
@@ -140,6 +141,11 @@ TEST(RepeatedRows, NoCellIsSoThinThatItsRegionsAreLost) {
     SCOPED_TRACE(testing::Message() << made.seed);
     expectProven(repeatedThrice(made.seed, made.rows, made.noise, {4, 9, 4}));
   }
+}
+
+// The dictionary of the tree loses that a region reaches 5e-12 across a plane.
+TEST(RepeatedRows, WhatReachesIntoACellIsDecidedByFactors) {
+  expectProven(repeatedThrice(122, 3, 1e-10, {4, 9, 4}));
 }
 
 TEST(RepeatedRows, AreNamedWhereTheyCountAsTwo) {

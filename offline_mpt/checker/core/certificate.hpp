@@ -78,7 +78,7 @@ class Certificate {
 
   // Reading: certificate.cpp.
   /// The first line.
-  virtual const char* title() const { return "polyfly certificate 5"; }
+  virtual const char* title() const { return "polyfly certificate 6"; }
   /// Reads the rest of a line of an extension. False: there is no such line.
   virtual bool readFurther(const std::string&, Line&) { return false; }
   /// After all lines: an extension may have the program's numbers from its own.

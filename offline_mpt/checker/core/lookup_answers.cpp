@@ -7,7 +7,6 @@ namespace checker {
 namespace {
 
 constexpr int kWideBits = 26;   // look-ups accept no more than |t_j| <= 1 + 2^-26
-constexpr int kUnitBits = 120;  // the rounding error is rounded up to a multiple of 2^-120
 
 }  // namespace
 
@@ -28,10 +27,7 @@ void LookupAnswers::findRounding() {
   Fraction greatest;
   for (std::size_t k = 0; k < map_.planes.size(); k += map_.p + 1)
     greatest = std::max(greatest, scaling_.roundingOf(map_.planes.data() + k, 1 + powerOfTwo(-kWideBits)));
-  const Fraction whole = greatest * powerOfTwo(kUnitBits);
-  Integer up;
-  mpz_cdiv_q(up.get_mpz_t(), whole.get_num_mpz_t(), whole.get_den_mpz_t());
-  rounding_ = up * powerOfTwo(-kUnitBits);
+  rounding_ = roundedUp(greatest);
   require(4 * rounding_ <= tolerance_, "distances from planes are not computed precisely enough");
 }
 

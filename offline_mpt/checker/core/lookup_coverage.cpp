@@ -80,7 +80,7 @@ void Lookups::checkWalk(Line& line, const std::vector<std::string>& lines, std::
   checkStart(line);
   line.end();
   path_inside_.clear();
-  for (const std::int32_t row : path_) path_inside_.push_back(movedRow(row, -depth_));
+  for (std::size_t k = 0; k < path_.size(); ++k) path_inside_.push_back(movedRow(path_[k], -depths_[k]));
   near_.clear();
   beginWalk();
   for (; next < lines.size(); ++next) {
@@ -102,13 +102,14 @@ bool Lookups::readWalk(Line& line) {
   return true;
 }
 
-/// A point c inside of a candidate, so deep in the leaf that what arrives there can be moved towards it. With path rows
-/// >= d at c, a share of (mu + e) / (d + e) of the way to c brings path rows from -e to mu. On this way a tested row
-/// changes by at most the share times (|row at c| + T), which must be within `room`.
+/// A point c inside of a candidate, and a share s. What arrives at the leaf can be moved towards c by the share s of the
+/// way. There a path row is at least s (d + e) - e, with d at c. On this way a tested row changes by at most
+/// s (|row at c| + T), which must be within `room`.
 void Lookups::checkStart(Line& line) {
   const std::size_t place = line.count(kMany);
   require(place < candidates_.size(), "a walk starts in what is no candidate");
-  depth_ = powerOfTwo(-static_cast<int>(line.count(1000)));
+  const Fraction share = line.fraction();
+  require(share > 0, "the share of a walk is not positive");
   Vector point;
   while (!line.done()) point.push_back(line.fraction());
   require(point.size() == map_.p, "the starting point is missing");
@@ -116,8 +117,13 @@ void Lookups::checkStart(Line& line) {
   for (const Row& row : conditions(candidates_[place]))
     require(valueAt(row, point) > 0, "the starting point does not lie inside");
   const auto at_point = [&](std::int32_t row) { return valueAt(mapRow(row), point); };
-  Fraction deep(1), greatest, error;
-  for (const std::int32_t row : path_) deep = std::min(deep, at_point(row));
+  depths_.clear();
+  for (const std::int32_t row : path_) {
+    const Fraction deep = at_point(row);
+    require(deep > 0, "the starting point does not lie in the leaf");
+    depths_.push_back(-roundedUp(-share * (deep + rounding_)) - rounding_);
+  }
+  Fraction greatest, error;
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const std::size_t region = candidates_[k];
     error = std::max(error, regions_[region].plane_error);
@@ -126,8 +132,7 @@ void Lookups::checkStart(Line& line) {
     }
   }
   const Fraction room = tolerance_ - 2 * rounding_ - plane_tolerance_ - error;
-  require(deep > 0 && (depth_ + rounding_) * (greatest + tolerance_) <= room * (deep + rounding_),
-          "the starting point is not deep enough");
+  require(share * (greatest + tolerance_) <= room, "the starting point is not deep enough");
 }
 
 std::vector<const Row*> Lookups::cellWith(const std::vector<Row>& rows) const {
@@ -170,12 +175,13 @@ void Lookups::checkBehind(std::size_t region, bool is_candidate) const {
 bool Lookups::isOutside(std::size_t region, std::size_t facet) const {
   if (facet >= map_.regions[region].row_count) return false;
   const Fraction& error = regions_[region].plane_error;
-  if (contains(path_, rowOf(region, facet))) return depth_ >= error;
+  const auto on_path = std::find(path_.begin(), path_.end(), rowOf(region, facet));
+  if (on_path != path_.end()) return depths_[static_cast<std::size_t>(on_path - path_.begin())] >= error;
   if (!dropsShowOutside()) return false;
+  const Fraction least = path_.empty() ? Fraction(1) : *std::min_element(depths_.begin(), depths_.end());
   const std::vector<const Drop*> drops = dropsOf(region);
   return std::any_of(drops.begin(), drops.end(), [&](const Drop* drop) {
-    return drop->row == facet &&
-           drop->constant + depth_ * drop->path_weight >= error * (1 + drop->row_weight);
+    return drop->row == facet && drop->constant + least * drop->path_weight >= error * (1 + drop->row_weight);
   });
 }
 

@@ -141,14 +141,22 @@ class Lookups : public LookupAnswers {
   void readNear(Line& line);
 
   const Fraction plane_tolerance_;
-  /// mu, at the leaf at hand
-  Fraction depth_;
+  /// Of each path row of the leaf at hand, mu.
+  Vector depths_;
   std::vector<Row> path_inside_;
 };
 
 inline Fraction powerOfTwo(int exponent) {
   return exponent >= 0 ? Fraction(Integer(1) << static_cast<unsigned long>(exponent))
                        : Fraction(1) / Fraction(Integer(1) << static_cast<unsigned long>(-exponent));
+}
+
+/// Rounded up to a multiple of 2^-120.
+inline Fraction roundedUp(const Fraction& value) {
+  const Fraction whole = value * powerOfTwo(120);
+  Integer up;
+  mpz_cdiv_q(up.get_mpz_t(), whole.get_num_mpz_t(), whole.get_den_mpz_t());
+  return up * powerOfTwo(-120);
 }
 
 /// Whether a look-up tests a row; bit 31 stands for all rows from 31 on.

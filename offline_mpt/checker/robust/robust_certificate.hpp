@@ -48,7 +48,7 @@ class RobustCertificate : public ExtendedCertificate {
   using Simplex = std::vector<std::size_t>;
 
   // robust_certificate.cpp: lines.
-  const char* title() const override { return "polyfly robust certificate 1"; }
+  const char* title() const override { return "polyfly robust certificate 2"; }
   bool readFurther(const std::string& key, Line& line) override;
   bool readProgram(const std::string& key, Line& line);
   void readModel(Line& line);

@@ -50,7 +50,7 @@ class Builder(unittest.TestCase):
         self.assertTrue(law.verify(samples=50, seed=3))
         proof = law.certify()
         self.assertTrue(proof)
-        self.assertTrue(proof.certificate.startswith("polyfly robust certificate 1\n"))
+        self.assertTrue(proof.certificate.startswith("polyfly robust certificate 2\n"))
 
     def test_fixed_feedback(self):
         fixed = mass().feedback("fixed", gain=[[-1, -2]])

@@ -115,7 +115,7 @@ class Head {
   Head(const RegionMap& map, const RobustStatement& statement) : map_(map), statement_(statement) {}
 
   std::string text(const StatedTolerances& tolerances) {
-    text_ = "polyfly robust certificate 1\n" + mapLine("map", map_) + problemLine(map_.problemText());
+    text_ = "polyfly robust certificate 2\n" + mapLine("map", map_) + problemLine(map_.problemText());
     text_ += "tolerances " + hex(tolerances.law) + " " + hex(tolerances.plane) + "\n";
     text_ += "equalities 0\nbasis 0\nconvexity linear " + hex(0.0) + "\ncoverage exact\n";
     addModel();

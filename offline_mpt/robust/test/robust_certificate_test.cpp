@@ -122,7 +122,7 @@ TEST_F(RobustMutation, AnyByteOfTheCertificateIsCaught) {
 }
 
 TEST_F(RobustMutation, TheKindIsChecked) {
-  for (const char* title : {"polyfly certificate 5", "polyfly robust certificate 2"}) {
+  for (const char* title : {"polyfly certificate 6", "polyfly robust certificate 3"}) {
     std::string changed = certificate_;
     changed.replace(0, changed.find('\n'), title);
     EXPECT_NE(refusal(sealed(changed, map_), map_), "") << title;

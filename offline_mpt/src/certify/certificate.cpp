@@ -35,7 +35,7 @@ void writeProof(const std::string& certificate, const char* what, const std::str
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const ProgramPerturbation& adjustment, bool widened,
                             const StatedTolerances& tolerances) {
-  std::string text = "polyfly certificate 5\n";
+  std::string text = "polyfly certificate 6\n";
   text += mapLine("map", map);
   text += problemLine(map.problemText());
   text += "tolerances " + hex(tolerances.law) + " " + hex(tolerances.plane) + "\n";

@@ -20,6 +20,9 @@ constexpr double kRoundUp = 1.0 + 0x1p-50;
 /// Share of a starting point's depth in the path rows that is left for the rows of its region.
 constexpr double kRegionShare = 0x1p-20;
 
+/// How deep a starting point is to be in path rows that do not press, beside those that do.
+constexpr double kLightRow = 0x1p-6;
+
 /// A starting point that is as deep needs no better one [scaled].
 constexpr double kDeepEnough = 0x1p-6;
 

@@ -41,7 +41,8 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
       all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance),
       least_cell_(options.least_cell) {
-  for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
+  for (int k = 0; k < threads_; ++k)
+    solvers_.emplace_back(regions, options.side_tolerance, least_cell_ > 0.0);
 }
 
 Cell CellSplitter::whole() {

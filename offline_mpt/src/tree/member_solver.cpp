@@ -17,11 +17,13 @@ double sign(unsigned side) { return side == kBelow ? -1.0 : 1.0; }
 
 }  // namespace
 
-MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance)
+MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful)
     : regions_(regions),
       tolerance_(side_tolerance),
+      is_careful_(is_careful),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       solver_(regions.p),
+      from_corner_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),
       point_(static_cast<std::size_t>(regions.p)) {}
 
@@ -240,8 +242,24 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
   if (!solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data())) {
     return true;  // undecided: it stays on both sides
   }
-  if (side * kernels_.distance(normal, point_.data(), p) <= tolerance_) return false;
+  const double reach = side * kernels_.distance(normal, point_.data(), p);
+  if (reach <= tolerance_ &&
+      (!is_careful_ || reach < -tolerance::kDoubtfulReach || !reachesAnew(plane, side)))
+    return false;
   member.points.insert(member.points.end(), point_.begin(), point_.end());
+  return true;
+}
+
+// The same by FloatLp, which starts anew from a corner of the box: a dictionary that has pivoted on near rows may have
+// lost the digits.
+bool MemberSolver::reachesAnew(std::size_t plane, double side) {
+  const auto width = static_cast<std::ptrdiff_t>(parameters() + 1);
+  from_corner_.clear();
+  for (auto row = rows_.begin(); row != rows_.end(); row += width)
+    from_corner_.add(std::vector<double>(row, row + width));
+  if (from_corner_.maximise(direction_) != FloatLp::Status::kOptimal) return false;
+  if (from_corner_.objective() - side * this->plane(plane)[width - 1] <= tolerance_) return false;
+  point_ = from_corner_.x();
   return true;
 }
 

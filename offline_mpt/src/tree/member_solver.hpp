@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lp/float_lp.hpp"
 #include "lp/polytope.hpp"
 #include "offline_mpt/search_tree.hpp"
 #include "tree/cell.hpp"
@@ -13,8 +14,9 @@ namespace polyfly {
 /// Answers questions about one part of a region at a time, by linear programming. One object serves one thread.
 class MemberSolver {
  public:
-  /// `side_tolerance` as in TreeOptions. `regions` must outlive the object.
-  MemberSolver(const TreeRegions& regions, double side_tolerance);
+  /// `side_tolerance` as in TreeOptions. `is_careful`: sides that a part just does not reach are decided once more, to the
+  /// last digits, where planes nearly repeat each other. `regions` must outlive the object.
+  MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful = false);
 
   /// The whole region, within the box.
   CellMember whole(std::uint32_t region);
@@ -60,6 +62,7 @@ class MemberSolver {
   void gatherRows(const CellMember& member);
   void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
+  bool reachesAnew(std::size_t plane, double side);
   void settle(CellMember& member);
   bool castRay(CellMember& member, std::size_t bound) const;
   void decide(CellMember& member);
@@ -70,8 +73,10 @@ class MemberSolver {
 
   const TreeRegions& regions_;
   double tolerance_;
+  bool is_careful_;
   PlaneSides kernels_;
   PolytopeSolver solver_;
+  FloatLp from_corner_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
   std::vector<double> slacks_;

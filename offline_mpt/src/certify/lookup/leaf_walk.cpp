@@ -11,10 +11,29 @@
 namespace polyfly {
 namespace {
 
-constexpr int kPointBits = 30;  // fraction of a starting point
-constexpr long kLeastDepthBits = 100;
+constexpr int kPointBits = 30;                // fraction of a starting point
+constexpr int kShareBits = 8;                 // of a share, from its first one on
 constexpr std::size_t kMostNear = 30;         // regions of one leaf
 constexpr std::size_t kMostNearCells = 5000;  // for one of them
+constexpr int kMostStarts = 4;                // starting points of one leaf
+
+// Path rows that hold by less than this at a point press on it, beside the depth of the part.
+constexpr long kPressing = 64;
+
+// A positive number rounded down to kShareBits bits.
+Rational shareBelow(const Rational& number) {
+  const double value = number.get_d();
+  int exponent = 0;
+  const double fraction = std::frexp(value, &exponent);
+  const double bits = std::floor(std::ldexp(fraction, kShareBits) * (1.0 - 0x1p-40));
+  return Rational(std::ldexp(bits, exponent - kShareBits));
+}
+
+Rational valueOf(const WholeRow& row, const std::vector<Rational>& point) {
+  Rational value(row.back());
+  for (std::size_t j = 0; j < point.size(); ++j) value += row[j] * point[j];
+  return value;
+}
 
 bool strictlyHolds(const std::vector<ExactRow>& rows, const std::vector<Rational>& point) {
   return std::all_of(rows.begin(), rows.end(),
@@ -30,14 +49,13 @@ LeafWalk::LeafWalk(const LookupContext& context, std::size_t visit)
       path_(context.tree.path(visit)),
       candidates_(view_.candidates, view_.candidates + view_.count),
       near_candidates_(context, view_, context.planes.up(Rational(context.check.options.plane_tolerance)),
-                       nullptr, kMostNearCells) {
+                       nullptr, kMostNearCells),
+      presses_(path_.size(), 1) {
   std::sort(candidates_.begin(), candidates_.end());
 }
 
 Integer LeafWalk::valueAt(std::int32_t row, const std::vector<Rational>& point) const {
-  const WholeRow whole = context_.planes.row(row);
-  Rational value(whole.back());
-  for (std::size_t j = 0; j < point.size(); ++j) value += whole[j] * point[j];
+  const Rational value = valueOf(context_.planes.row(row), point);
   Integer result;
   mpz_fdiv_q(result.get_mpz_t(), value.get_num_mpz_t(), value.get_den_mpz_t());
   return result;
@@ -52,7 +70,8 @@ bool LeafWalk::tryStart(std::uint32_t place, Start& start) const {
     row.insert(row.end() - 1, share);
     lp.add(row);
   };
-  for (const std::int32_t row : path_) add(context_.planes.moved(row, 0).unit, 1.0);
+  for (std::size_t k = 0; k < path_.size(); ++k)
+    add(context_.planes.moved(path_[k], 0).unit, presses_[k] != 0 ? 1.0 : tolerance::kLightRow);
   for (const ExactRow& row : listed) add(row.unit, tolerance::kRegionShare);
   for (int side = 0; side < 2 * p; ++side) add(boxRow(p, side).unit, tolerance::kRegionShare);
   std::vector<double> direction(static_cast<std::size_t>(p) + 1, 0.0);
@@ -67,7 +86,10 @@ bool LeafWalk::tryStart(std::uint32_t place, Start& start) const {
     }
     if (!strictlyInside(point, {}, nullptr) || !strictlyHolds(listed, point)) continue;
     Integer depth = context_.planes.up(1);
-    for (const std::int32_t row : path_) depth = std::min(depth, valueAt(row, point));
+    for (std::size_t k = 0; k < path_.size(); ++k) {
+      const Integer value = valueAt(path_[k], point);
+      if (presses_[k] != 0 || value <= 0) depth = std::min(depth, value);
+    }
     if (depth <= start.depth) return false;
     start = {place, std::move(point), std::move(depth)};
     return true;
@@ -84,9 +106,9 @@ bool LeafWalk::findStart(Start& start) const {
   return !start.point.empty();
 }
 
-// A parameter that arrives is moved towards the starting point by a share of its way, until path rows hold by the
-// depth. The share is so small that a row which is tested changes by less than the tolerance.
-bool LeafWalk::chooseDepth(const Start& start) {
+// A parameter that arrives is moved towards the starting point by a share of its way. The share is so small that a row
+// which is tested changes by less than the tolerance.
+bool LeafWalk::chooseShare(const Start& start) {
   const WholePlanes& planes = context_.planes;
   Integer greatest(0);
   for (std::uint32_t place = 0; place < view_.count; ++place) {
@@ -102,13 +124,15 @@ bool LeafWalk::chooseDepth(const Start& start) {
   const Integer error = planes.up(Rational(plane_error) + Rational(context_.check.options.plane_tolerance));
   const Integer room = planes.tolerance() - 2 * planes.rounding() - error;
   if (room <= 0) return false;
-  // (depth + rounding) / (start.depth + rounding) <= room / (greatest + tolerance)
-  const Integer most = room * start.depth / (greatest + planes.tolerance()) - planes.rounding();
-  for (depth_bits_ = 0; depth_bits_ < kLeastDepthBits; ++depth_bits_) {
-    depth_ = planes.up(Rational(Integer(1), Integer(1) << static_cast<unsigned long>(depth_bits_)));
-    if (depth_ <= most) return true;
+  share_ = shareBelow(Rational(room, greatest + planes.tolerance()));
+  depths_.clear();
+  for (const std::int32_t row : path_) {
+    const Rational depth = valueOf(context_.planes.row(row), start.point) + planes.rounding();
+    depths_.push_back(planes.coarselyDown(share_ * depth) - planes.rounding());
   }
-  return false;
+  least_depth_ = depths_.empty() ? planes.up(1) : *std::min_element(depths_.begin(), depths_.end());
+  path_inside_.clear();
+  return true;
 }
 
 bool LeafWalk::isCandidate(std::uint32_t region) const {
@@ -121,11 +145,14 @@ bool LeafWalk::isOutside(std::uint32_t place, std::uint32_t facet) const {
   const RegionView region = context_.check.map.region(index);
   if (facet >= region.row_count) return false;
   const double error = context_.checks[index].plane_error;
-  const double depth = std::ldexp(1.0, -static_cast<int>(depth_bits_));
-  if (std::find(path_.begin(), path_.end(), region.rows[facet]) != path_.end()) return depth >= error;
+  for (std::size_t k = 0; k < path_.size(); ++k) {
+    if (path_[k] == region.rows[facet] && depths_[k] >= context_.planes.up(Rational(error))) return true;
+  }
+  if (std::find(path_.begin(), path_.end(), region.rows[facet]) != path_.end()) return false;
   if (context_.widened || isTested(view_.testsOf(place), facet)) return false;
   const DroppedRow* const dropped = context_.findDropped(visit_, index, facet);
-  return dropped != nullptr && dropped->holdsInside(depth, error);
+  return dropped != nullptr && least_depth_ >= 0 &&
+         dropped->holdsInside(context_.planes.length(least_depth_).get_d(), error);
 }
 
 // Rows that count in the proof of coverage.
@@ -139,7 +166,7 @@ std::vector<ExactRow> LeafWalk::rowsOf(std::uint32_t region) const {
 
 const std::vector<ExactRow>& LeafWalk::pathInside() {
   for (std::size_t k = path_inside_.size(); k < path_.size(); ++k)
-    path_inside_.push_back(context_.planes.moved(path_[k], -depth_));
+    path_inside_.push_back(context_.planes.moved(path_[k], -depths_[k]));
   return path_inside_;
 }
 
@@ -186,7 +213,10 @@ bool LeafWalk::dismiss(std::uint32_t region, std::string& text) {
         for (const ExactRow& row : *list) cell.push_back(&row);
       }
       text += "near " + std::to_string(region);
-      if (!near_candidates_.cover(std::move(cell), text)) return false;
+      if (!near_candidates_.cover(std::move(cell), text)) {
+        failed_at_ = interior.point;
+        return false;
+      }
       text += "\n";
     }
     near_.push_back(region);
@@ -214,9 +244,33 @@ bool LeafWalk::closeFacets(std::uint32_t region, std::uint32_t place, std::strin
 }
 
 bool LeafWalk::prove(std::string& text) {
-  Start start;
-  if (!findStart(start) || !chooseDepth(start)) return false;
-  std::string lines = "leaf walk " + std::to_string(start.place) + " " + std::to_string(depth_bits_);
+  for (int tried = 0; tried < kMostStarts; ++tried) {
+    Start start;
+    if (!findStart(start) || !chooseShare(start)) return false;
+    if (proveFrom(start, text)) return true;
+    if (!letPress()) return false;
+  }
+  return false;
+}
+
+// After a proof that failed at a point: path rows next to it are to press, and the starting point to be deeper in them.
+// False if they do already.
+bool LeafWalk::letPress() {
+  if (failed_at_.empty()) return false;
+  const std::vector<char> before = presses_;
+  if (std::count(before.begin(), before.end(), 0) == 0) presses_.assign(path_.size(), 0);
+  for (std::size_t k = 0; k < path_.size(); ++k) {
+    if (valueAt(path_[k], failed_at_) < kPressing * abs(depths_[k])) presses_[k] = 1;
+  }
+  return presses_ != before;
+}
+
+bool LeafWalk::proveFrom(const Start& start, std::string& text) {
+  dismissed_.clear();
+  beyond_.clear();
+  near_.clear();
+  failed_at_.clear();
+  std::string lines = "leaf walk " + std::to_string(start.place) + " " + share_.get_str(16);
   for (const Rational& value : start.point) lines += " " + value.get_str(16);
   lines += "\n";
   for (std::uint32_t place = 0; place < view_.count; ++place) {

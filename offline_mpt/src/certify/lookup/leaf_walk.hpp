@@ -27,14 +27,16 @@ class LeafWalk {
   struct Start {
     std::uint32_t place = 0;
     std::vector<Rational> point;
-    /// Least value of a path row at the point [in the unit of the planes].
+    /// Least value of a path row that presses at the point [in the unit of the planes].
     Integer depth;
   };
 
+  bool proveFrom(const Start& start, std::string& text);
   bool findStart(Start& start) const;
   bool tryStart(std::uint32_t place, Start& start) const;
   Integer valueAt(std::int32_t row, const std::vector<Rational>& point) const;
-  bool chooseDepth(const Start& start);
+  bool chooseShare(const Start& start);
+  bool letPress();
   bool closeFacets(std::uint32_t region, std::uint32_t place, std::string& text);
   bool isOutside(std::uint32_t place, std::uint32_t facet) const;
   bool isCandidate(std::uint32_t region) const;
@@ -50,9 +52,15 @@ class LeafWalk {
   std::vector<std::int32_t> path_;
   std::vector<std::uint32_t> candidates_;  // sorted
   CandidateCover near_candidates_;
-  /// Path rows hold by at least 2^-depth_bits_ in the part of the leaf that the walk covers.
-  long depth_bits_ = 0;
-  Integer depth_;
+  /// Of each path row, whether the starting point is to be deep in it, and not only inside.
+  std::vector<char> presses_;
+  /// Of a region that could not be dismissed, a point in the part.
+  std::vector<Rational> failed_at_;
+  /// What arrives is moved by this share of its way to the starting point.
+  Rational share_;
+  /// Of each path row, by how much it holds in the part of the leaf that the walk covers; and the least of them.
+  std::vector<Integer> depths_;
+  Integer least_depth_;
   std::vector<ExactRow> path_inside_;
   /// Regions that are no candidates, and do not reach into the leaf or are near a candidate there.
   std::set<std::uint32_t> dismissed_;

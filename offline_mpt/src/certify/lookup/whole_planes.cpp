@@ -81,6 +81,14 @@ ExactRow WholePlanes::moved(std::int32_t signed_row, const Integer& distance) co
 
 Integer WholePlanes::up(const Rational& length) const { return roundedUp(length * powerOfTwo(exponent_)); }
 
+Integer WholePlanes::coarselyDown(const Rational& whole) const {
+  const Integer unit = Integer(1) << static_cast<unsigned long>(exponent_ - kLeastBits);
+  const Rational units = whole / unit;
+  Integer result;
+  mpz_fdiv_q(result.get_mpz_t(), units.get_num_mpz_t(), units.get_den_mpz_t());
+  return result * unit;
+}
+
 Rational WholePlanes::length(const Integer& whole) const { return whole * powerOfTwo(-exponent_); }
 
 Integer WholePlanes::leastInWideBox(const WholeRow& row) const {

@@ -30,6 +30,8 @@ class WholePlanes {
 
   /// `length` in the unit of the rows, rounded up.
   Integer up(const Rational& length) const;
+  /// `whole` rounded down to a multiple of 2^-120 as a length.
+  Integer coarselyDown(const Rational& whole) const;
   Rational length(const Integer& whole) const;
 
   const Integer& tolerance() const { return tolerance_; }

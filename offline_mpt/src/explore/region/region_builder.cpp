@@ -260,7 +260,8 @@ BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) 
 
 // Of slacks that nearly repeat each other, `minimal` may lose all digits by which they differ: it asks about all rows on
 // one dictionary, which pivots on such differences. FloatLp starts anew for each row, from a corner of the box. Each row
-// is left out in turn if the others imply it.
+// is left out in turn if the others imply it: first those that they imply but for rounding, since behind them there is
+// nothing, and then the others.
 BuildStatus RegionBuilder::decideNearRows(double tolerance) {
   const auto is_near = [&](int row) {
     const RowOrigin& origin = origins_[static_cast<std::size_t>(row)];
@@ -277,11 +278,14 @@ BuildStatus RegionBuilder::decideNearRows(double tolerance) {
     if (is_near(i)) left.emplace_back(i, std::vector<double>());
   }
   bool failed = false;
-  for (std::size_t k = 0; k < left.size();) {
-    if (!is_near(left[k].first) || isNeeded(left, k, tolerance, failed)) {
-      ++k;
-    } else {
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+  for (const double allowed : {std::min(tolerance::kImpliedNearRow, tolerance), tolerance}) {
+    failed = false;
+    for (std::size_t k = 0; k < left.size();) {
+      if (!is_near(left[k].first) || isNeeded(left, k, allowed, failed)) {
+        ++k;
+      } else {
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+      }
     }
   }
   if (failed) return BuildStatus::kFailed;

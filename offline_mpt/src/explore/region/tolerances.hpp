@@ -60,6 +60,9 @@ constexpr double kNearRow = 1e-5;
 /// between the planes of the search tree, thousands of times as long as they are wide [scaled].
 constexpr double kNearRowRadius = kDefaultRadiusTolerance / 100.0;
 
+/// Rounding of what the others leave beyond the half-space of such a row is less [scaled].
+constexpr double kImpliedNearRow = 1e-13;
+
 /// How far beyond the half-space of such a row a point is looked for [scaled].
 constexpr double kNearRowReach = 1.0;
 
