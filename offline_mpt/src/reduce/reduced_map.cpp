@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "offline_mpt/search_tree.hpp"
+#include "reduce/law_leaves.hpp"
 #include "reduce/prune_tree.hpp"
 #include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
@@ -39,56 +40,92 @@ class Encoder {
     content.inputs = map_.inputs();
     content.reduced_from = map_.checksum();
     content.first_fallback = static_cast<std::uint32_t>(reduced_.first_fallback);
-    TreeRegions tree;
-    tree.p = planes_.p;
-    addPlanes(content, tree);
-    addRegions(content, tree);
-    addTree(content, tree);
+    SearchTree tree = findTree();
+    content.solver_notes = "tree_depth: " + std::to_string(tree.depth) + "\n";
+    content.root = tree.root;
+    content.nodes = std::move(tree.nodes);
+    content.leaves = std::move(tree.leaves);
+    content.candidates = std::move(tree.candidates);
+    content.tests = std::move(tree.tests);
+    addPlanes(content);
+    addRegions(content);
+    orderRows(content);
     return content;
   }
 
  private:
-  void addTree(MapContent& content, const TreeRegions& tree) const {
+  /// Nodes name planes by their number in `planes_`. Of kSmall, regions may be added or left out.
+  SearchTree findTree() {
+    TreeRegions regions;
+    regions.p = planes_.p;
+    regions.planes = planes_.planes;
+    PruneRegions laws{{}, entries_.size()};
+    for (const ReducedRegion& entry : entries_) {
+      regions.rows.push_back(entry.piece.rows);
+      regions.centres.insert(regions.centres.end(), entry.piece.centre.begin(), entry.piece.centre.end());
+      laws.laws.push_back(entry.law);
+    }
     TreeOptions options;
     options.mode = options_.tree;
     options.threads = options_.threads;
     options.side_tolerance = options_.side_tolerance;
     if (options.mode != TreeMode::kSmall) {
       options.all_rows = true;
-      options.node_limit = kNodesPerRegion * tree.rows.size();
+      options.node_limit = kNodesPerRegion * regions.rows.size();
     }
-    PruneRegions regions{{}, content.regions.size()};
-    for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
-    if (reduced_.first_fallback != 0) {
+    const bool has_fallbacks = reduced_.first_fallback != 0;
+    if (has_fallbacks) {
       options.side_tolerance *= tolerance::kSharpSide;
-      regions.first_fallback = reduced_.first_fallback;
+      laws.first_fallback = reduced_.first_fallback;
     }
-    const ScaledPlanes planes{tree.p, tree.planes};
-    CellGeometry geometry(planes);
-    SearchTree found =
-        pruneTree(geometry, tree, regions, reduced_.slack, options.side_tolerance, buildTree(tree, options));
-    content.solver_notes = "tree_depth: " + std::to_string(found.depth) + "\n";
-    content.root = found.root;
-    content.nodes = std::move(found.nodes);
-    content.leaves = std::move(found.leaves);
-    content.candidates = std::move(found.candidates);
-    content.tests = std::move(found.tests);
-    orderRows(content);
+    CellGeometry geometry(planes_);
+    SearchTree tree = buildTree(regions, options);
+    const bool joins = options.mode == TreeMode::kSmall && !has_fallbacks;
+    if (joins) {
+      std::vector<LawCell> cells;
+      tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, tree, cells);
+      for (LawCell& cell : cells) {
+        regions.rows.push_back(cell.piece.rows);
+        regions.centres.insert(regions.centres.end(), cell.piece.centre.begin(), cell.piece.centre.end());
+        laws.laws.push_back(cell.law);
+        entries_.push_back({std::move(cell.piece), cell.law, -1});
+      }
+      laws.first_fallback = entries_.size();
+    }
+    tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, tree);
+    if (joins) dropUnusedRegions(tree);
+    return tree;
   }
 
-  /// Only planes that are still used; rows are renumbered.
-  void addPlanes(MapContent& content, TreeRegions& tree) {
+  /// Leaves out the regions that no leaf names.
+  void dropUnusedRegions(SearchTree& tree) {
+    constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+    std::vector<std::uint32_t> number(entries_.size(), kUnused);
+    for (const std::uint32_t region : tree.candidates) number[region] = 0;
+    std::uint32_t kept = 0;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (number[i] == kUnused) continue;
+      number[i] = kept;
+      if (kept != i) entries_[kept] = std::move(entries_[i]);
+      ++kept;
+    }
+    entries_.resize(kept);
+    for (std::uint32_t& region : tree.candidates) region = number[region];
+  }
+
+  /// Only planes that are still used; nodes and rows are renumbered.
+  void addPlanes(MapContent& content) {
     const auto p = static_cast<std::size_t>(planes_.p);
     std::vector<std::int32_t> number(planes_.planes.size() / (p + 1), 0);
     for (const ReducedRegion& entry : entries_) {
       for (const std::int32_t row : entry.piece.rows) number[static_cast<std::size_t>(std::abs(row)) - 1] = 1;
     }
+    for (const MapContent::Node& node : content.nodes) number[node.plane] = 1;
     std::int32_t next = 0;
     for (std::size_t i = 0; i < number.size(); ++i) {
       if (number[i] == 0) continue;
       number[i] = ++next;
       const double* const scaled = planes_.planes.data() + i * (p + 1);
-      tree.planes.insert(tree.planes.end(), scaled, scaled + p + 1);
       if (i < map_.planeCount()) {
         content.planes.insert(content.planes.end(), map_.plane(i), map_.plane(i) + p + 1);
         continue;
@@ -102,6 +139,8 @@ class Encoder {
       }
       content.planes.push_back(bound);
     }
+    for (MapContent::Node& node : content.nodes)
+      node.plane = static_cast<std::uint32_t>(number[node.plane] - 1);
     for (ReducedRegion& entry : entries_) {
       for (std::int32_t& row : entry.piece.rows) {
         const std::int32_t plane = number[static_cast<std::size_t>(std::abs(row)) - 1];
@@ -110,7 +149,7 @@ class Encoder {
     }
   }
 
-  void addRegions(MapContent& content, TreeRegions& tree) {
+  void addRegions(MapContent& content) {
     const std::size_t width = map_.inputs().size() * (map_.parameters().size() + 1);
     std::map<std::uint32_t, std::uint32_t> laws;
     for (const ReducedRegion& entry : entries_) laws.emplace(entry.law, 0);
@@ -132,8 +171,6 @@ class Encoder {
       }
       content.rows.insert(content.rows.end(), entry.piece.rows.begin(), entry.piece.rows.end());
       content.regions.push_back(region);
-      tree.rows.push_back(entry.piece.rows);
-      tree.centres.insert(tree.centres.end(), entry.piece.centre.begin(), entry.piece.centre.end());
     }
   }
 
