@@ -18,6 +18,9 @@ struct TreeRegions {
   std::vector<double> planes;
   std::vector<std::vector<std::int32_t>> rows;  ///< per region
   std::vector<double> centres;                  ///< per region p numbers, strictly inside
+  /// Per region its law. Where it is given, planes that divide laws come before those that divide regions only. Other
+  /// processes are not told.
+  std::vector<std::uint32_t> laws;
 };
 
 /// Why a tree has grown no further.

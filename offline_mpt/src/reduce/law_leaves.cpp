@@ -30,6 +30,8 @@ class LawJoiner {
     std::optional<std::uint32_t> law;
     std::uint32_t number = 0;
     RowList path;
+    /// The region that holds all of it, where it is known.
+    std::optional<std::uint32_t> holder;
   };
 
   static bool isLeaf(std::uint32_t child) { return (child & MapContent::kLeaf) != 0; }
@@ -46,12 +48,15 @@ class LawJoiner {
     const std::uint32_t above = descend(node.above, depth + 1);
     path_.pop_back();
     if (isLeaf(below) && isLeaf(above)) {
-      const std::optional<std::uint32_t> law = parts_[part].law;
-      if (law && law == parts_[part + 1].law) {
+      Part joined = parts_[part];
+      const Part& other = parts_[part + 1];
+      if (joined.law && joined.law == other.law) {
+        joined.path = path_;
+        if (joined.holder != other.holder) joined.holder.reset();
         parts_.resize(part);
         result_.nodes.pop_back();
         result_.depth = deepest;
-        return addPart({law, 0, path_}, depth);
+        return addPart(std::move(joined), depth);
       }
     }
     result_.depth = std::max(deepest, result_.depth);
@@ -68,10 +73,15 @@ class LawJoiner {
 
   Part leafAt(std::uint32_t number) {
     const MapContent::Leaf& leaf = tree_.leaves[number];
-    Part part{std::nullopt, number, path_};
+    Part part{std::nullopt, number, path_, std::nullopt};
     if (leaf.count == 0) return part;
     const auto first = tree_.candidates.begin() + leaf.first;
     const std::uint32_t law = laws_.laws[*first];
+    if (leaf.count == 1 && tree_.tests[leaf.first] == 0) {
+      part.law = law;
+      part.holder = *first;
+      return part;
+    }
     std::vector<const RowList*> cover;
     for (auto region = first; region != first + leaf.count; ++region) {
       if (laws_.laws[*region] != law) return part;
@@ -107,6 +117,7 @@ class LawJoiner {
 
   /// A region with the law that holds the cell: one of the regions, or else the cell.
   std::uint32_t holderOf(const Part& part) {
+    if (part.holder) return *part.holder;
     ConvexCell cell;
     cell.rows = part.path;
     geometry_.describe(cell);
@@ -114,7 +125,7 @@ class LawJoiner {
       if (laws_.laws[region] != *part.law) continue;
       const RowList& rows = regions_.rows[region];
       if (std::all_of(rows.begin(), rows.end(),
-                      [&](std::int32_t row) { return geometry_.holdsOn(row, cell, 0.0); }))
+                      [&](std::int32_t row) { return geometry_.holdsOn(row, cell, slack_); }))
         return region;
     }
     cell.rows.insert(cell.rows.end(), box_.begin(), box_.end());

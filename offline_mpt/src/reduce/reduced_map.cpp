@@ -1,7 +1,9 @@
 #include "reduce/reduced_map.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -17,6 +19,43 @@ namespace {
 
 // Of kAuto.
 constexpr std::size_t kNodesPerRegion = 2;
+
+std::size_t worstOf(const SearchTree& tree, const TreeRegions& regions) {
+  std::vector<std::size_t> depth(tree.nodes.size(), 0);
+  std::size_t worst = 0;
+  const auto reach = [&](std::uint32_t child, std::size_t above) {
+    if ((child & MapContent::kLeaf) == 0) {
+      depth[child] = above;
+      return;
+    }
+    const MapContent::Leaf& leaf = tree.leaves[child & ~MapContent::kLeaf];
+    std::size_t cost = above;
+    for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k)
+      cost += testedRows(tree.tests[k], static_cast<std::uint32_t>(regions.rows[tree.candidates[k]].size()));
+    worst = std::max(worst, cost);
+  };
+  reach(tree.root, 0);
+  // Children follow their parents.
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    reach(tree.nodes[i].below, depth[i] + 1);
+    reach(tree.nodes[i].above, depth[i] + 1);
+  }
+  return worst;
+}
+
+/// What look-ups read of planes and nodes.
+std::size_t bytesOf(const SearchTree& tree, const TreeRegions& regions) {
+  const std::size_t plane_bytes = sizeof(double) * (static_cast<std::size_t>(regions.p) + 1);
+  std::set<std::size_t> planes;
+  for (const MapContent::Node& node : tree.nodes) planes.insert(node.plane);
+  for (std::size_t k = 0; k < tree.candidates.size(); ++k) {
+    const RowList& rows = regions.rows[tree.candidates[k]];
+    for (std::uint32_t row = 0; row < rows.size(); ++row) {
+      if (isTested(tree.tests[k], row)) planes.insert(static_cast<std::size_t>(std::abs(rows[row])) - 1);
+    }
+  }
+  return plane_bytes * planes.size() + sizeof(MapContent::Node) * tree.nodes.size();
+}
 
 class Encoder {
  public:
@@ -73,28 +112,45 @@ class Encoder {
       options.all_rows = true;
       options.node_limit = kNodesPerRegion * regions.rows.size();
     }
-    const bool has_fallbacks = reduced_.first_fallback != 0;
-    if (has_fallbacks) {
+    if (reduced_.first_fallback != 0) {
       options.side_tolerance *= tolerance::kSharpSide;
       laws.first_fallback = reduced_.first_fallback;
     }
     CellGeometry geometry(planes_);
-    SearchTree tree = buildTree(regions, options);
-    const bool joins = options.mode == TreeMode::kSmall && !has_fallbacks;
-    if (joins) {
-      std::vector<LawCell> cells;
-      tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, tree, cells);
-      for (LawCell& cell : cells) {
-        regions.rows.push_back(cell.piece.rows);
-        regions.centres.insert(regions.centres.end(), cell.piece.centre.begin(), cell.piece.centre.end());
-        laws.laws.push_back(cell.law);
-        entries_.push_back({std::move(cell.piece), cell.law, -1});
-      }
-      laws.first_fallback = entries_.size();
+    if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
+      return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
+                       buildTree(regions, options));
+    LawTree best = growTree(geometry, regions, laws, options);
+    TreeRegions with_laws = regions;
+    with_laws.laws = laws.laws;
+    LawTree other = growTree(geometry, with_laws, laws, options);
+    if (other.cost < best.cost) best = std::move(other);
+    for (LawCell& cell : best.cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
+    dropUnusedRegions(best.tree);
+    return std::move(best.tree);
+  }
+
+  /// A tree, with the regions that its leaves add.
+  struct LawTree {
+    SearchTree tree;
+    std::vector<LawCell> cells;
+    /// Half-spaces of the worst look-up, then the bytes that look-ups read of planes and nodes.
+    std::pair<std::size_t, std::size_t> cost;
+  };
+
+  LawTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
+                   const TreeOptions& options) const {
+    LawTree result;
+    const SearchTree grown = buildTree(regions, options);
+    result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
+    for (const LawCell& cell : result.cells) {
+      regions.rows.push_back(cell.piece.rows);
+      laws.laws.push_back(cell.law);
     }
-    tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, tree);
-    if (joins) dropUnusedRegions(tree);
-    return tree;
+    laws.first_fallback = laws.laws.size();
+    result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
+    result.cost = {worstOf(result.tree, regions), bytesOf(result.tree, regions)};
+    return result;
   }
 
   /// Leaves out the regions that no leaf names.
