@@ -382,6 +382,18 @@ std::size_t leastDepth(const std::vector<std::string>& rows, std::size_t x0, std
   return least;
 }
 
+/// Nodes whose both children are leaves of one candidate with the same law.
+std::size_t uselessNodes(const MapContent& map) {
+  const auto law = [&](std::uint32_t child) -> std::int64_t {
+    if ((child & MapContent::kLeaf) == 0) return -1;
+    const MapContent::Leaf& leaf = map.leaves[child & ~MapContent::kLeaf];
+    return leaf.count == 1 ? map.regions[map.candidates[leaf.first]].law : -1;
+  };
+  return static_cast<std::size_t>(std::count_if(map.nodes.begin(), map.nodes.end(), [&](const auto& node) {
+    return law(node.below) >= 0 && law(node.below) == law(node.above);
+  }));
+}
+
 TEST(Reduce, LeavesOfSmallTreesHoldOneLawWhereTheMapFillsItsBox) {
   Random random(5);
   ReduceOptions options = with(MergeMethod::kAuto);
@@ -395,6 +407,7 @@ TEST(Reduce, LeavesOfSmallTreesHoldOneLawWhereTheMapFillsItsBox) {
     const MapContent content = reduceAndProve(original, options).content;
     for (const MapContent::Leaf& leaf : content.leaves) EXPECT_EQ(leaf.count, 1u) << trial;
     for (const std::uint32_t tests : content.tests) EXPECT_EQ(tests, 0u) << trial;
+    EXPECT_EQ(uselessNodes(content), 0u) << trial;
     const MapInMemory reduced(content);
     expectSameAnswers(original.map(), reduced.map(), 40);
     const std::size_t least = leastDepth(rows, 0, 5, 0, 4);
