@@ -20,7 +20,7 @@ namespace {
 // Of kAuto.
 constexpr std::size_t kNodesPerRegion = 2;
 
-std::size_t worstOf(const SearchTree& tree, const TreeRegions& regions) {
+std::size_t worstLookUp(const SearchTree& tree, const TreeRegions& regions) {
   std::vector<std::size_t> depth(tree.nodes.size(), 0);
   std::size_t worst = 0;
   const auto reach = [&](std::uint32_t child, std::size_t above) {
@@ -44,7 +44,7 @@ std::size_t worstOf(const SearchTree& tree, const TreeRegions& regions) {
 }
 
 /// What look-ups read of planes and nodes.
-std::size_t bytesOf(const SearchTree& tree, const TreeRegions& regions) {
+std::size_t bytesRead(const SearchTree& tree, const TreeRegions& regions) {
   const std::size_t plane_bytes = sizeof(double) * (static_cast<std::size_t>(regions.p) + 1);
   std::set<std::size_t> planes;
   for (const MapContent::Node& node : tree.nodes) planes.insert(node.plane);
@@ -120,10 +120,10 @@ class Encoder {
     if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
       return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
                        buildTree(regions, options));
-    LawTree best = growTree(geometry, regions, laws, options);
+    GrownTree best = growTree(geometry, regions, laws, options);
     TreeRegions with_laws = regions;
     with_laws.laws = laws.laws;
-    LawTree other = growTree(geometry, with_laws, laws, options);
+    GrownTree other = growTree(geometry, with_laws, laws, options);
     if (other.cost < best.cost) best = std::move(other);
     for (LawCell& cell : best.cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
     dropUnusedRegions(best.tree);
@@ -131,16 +131,16 @@ class Encoder {
   }
 
   /// A tree, with the regions that its leaves add.
-  struct LawTree {
+  struct GrownTree {
     SearchTree tree;
     std::vector<LawCell> cells;
     /// Half-spaces of the worst look-up, then the bytes that look-ups read of planes and nodes.
     std::pair<std::size_t, std::size_t> cost;
   };
 
-  LawTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
-                   const TreeOptions& options) const {
-    LawTree result;
+  GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
+                     const TreeOptions& options) const {
+    GrownTree result;
     const SearchTree grown = buildTree(regions, options);
     result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
     for (const LawCell& cell : result.cells) {
@@ -149,7 +149,7 @@ class Encoder {
     }
     laws.first_fallback = laws.laws.size();
     result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
-    result.cost = {worstOf(result.tree, regions), bytesOf(result.tree, regions)};
+    result.cost = {worstLookUp(result.tree, regions), bytesRead(result.tree, regions)};
     return result;
   }
 

@@ -397,11 +397,9 @@ class TreeGrower {
 
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   SearchTree tree = TreeGrower(regions, options).run();
-  if (options.mode != TreeMode::kSmall || options.planes_tried >= kSmallPlanesTried ||
-      tree.end == TreeEnd::kStopped)
-    return tree;
+  if (options.mode != TreeMode::kSmall || tree.end == TreeEnd::kStopped) return tree;
   TreeOptions more = options;
-  more.planes_tried = kSmallPlanesTried;
+  more.planes_tried = std::max(options.planes_tried, kSmallPlanesTried);
   SearchTree other = TreeGrower(regions, more).run();
   const std::uint64_t pivots = tree.pivots + other.pivots;
   const auto cost = [](const SearchTree& one) { return std::make_pair(one.worst, one.nodes.size()); };
