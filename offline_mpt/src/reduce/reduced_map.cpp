@@ -120,6 +120,7 @@ class Encoder {
     if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
       return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
                        buildTree(regions, options));
+    options.least_angle = tolerance::kCellAngle;
     GrownTree best = growTree(geometry, regions, laws, options);
     TreeRegions with_laws = regions;
     with_laws.laws = laws.laws;

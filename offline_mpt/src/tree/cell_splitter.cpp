@@ -47,7 +47,8 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
       planes_tried_(options.planes_tried),
       all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance),
-      least_cell_(options.least_cell) {
+      least_cell_(options.least_cell),
+      least_angle_(std::max(options.least_angle, tolerance::kSharpAngle)) {
   for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
 }
 
@@ -147,7 +148,7 @@ bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
     for (const double sign : {1.0, -1.0}) {
       double turn = 0.0;
       for (std::size_t j = 0; j < p; ++j) turn += std::abs(a[j] - sign * b[j]);
-      if (turn < tolerance::kSharpAngle && std::abs(a[p] - sign * b[p]) <= turn) return true;
+      if (turn < least_angle_ && std::abs(a[p] - sign * b[p]) <= turn) return true;
     }
     return false;
   });

@@ -68,7 +68,7 @@ class CellSplitter {
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
   std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
-  /// Whether the plane crosses one on the cell's path within the box at an angle below kSharpAngle.
+  /// Whether the plane crosses one on the cell's path within the box at an angle below the least one.
   bool makesSharpEdge(const Cell& cell, std::size_t plane) const;
   bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    MemberSolver& solver) const;
@@ -87,6 +87,7 @@ class CellSplitter {
   bool all_rows_;
   double side_tolerance_;
   double least_cell_;
+  double least_angle_;
   std::vector<MemberSolver> solvers_;  // one per thread
 };
 
