@@ -366,13 +366,81 @@ TEST(Reduce, LookUpsTestOnlyWhatTheTreeDoesNotImply) {
   EXPECT_LT(named.multiply_adds, whole.map().cost().multiply_adds);
 }
 
+/// Depth of the shallowest tree of the grid's lines whose leaves hold one letter, by trying all of them.
+std::size_t leastDepth(const std::vector<std::string>& rows, std::size_t x0, std::size_t x1, std::size_t y0,
+                       std::size_t y1) {
+  bool is_one = true;
+  for (std::size_t y = y0; y < y1; ++y) {
+    for (std::size_t x = x0; x < x1; ++x) is_one = is_one && rows[y][x] == rows[y0][x0];
+  }
+  if (is_one) return 0;
+  std::size_t least = rows.size() * rows[0].size();
+  for (std::size_t x = x0 + 1; x < x1; ++x)
+    least = std::min(least, 1 + std::max(leastDepth(rows, x0, x, y0, y1), leastDepth(rows, x, x1, y0, y1)));
+  for (std::size_t y = y0 + 1; y < y1; ++y)
+    least = std::min(least, 1 + std::max(leastDepth(rows, x0, x1, y0, y), leastDepth(rows, x0, x1, y, y1)));
+  return least;
+}
+
+/// Nodes whose both children are leaves of one candidate with the same law.
+std::size_t uselessNodes(const MapContent& map) {
+  const auto law = [&](std::uint32_t child) -> std::int64_t {
+    if ((child & MapContent::kLeaf) == 0) return -1;
+    const MapContent::Leaf& leaf = map.leaves[child & ~MapContent::kLeaf];
+    return leaf.count == 1 ? map.regions[map.candidates[leaf.first]].law : -1;
+  };
+  return static_cast<std::size_t>(std::count_if(map.nodes.begin(), map.nodes.end(), [&](const auto& node) {
+    return law(node.below) >= 0 && law(node.below) == law(node.above);
+  }));
+}
+
+TEST(Reduce, LeavesOfSmallTreesHoldOneLawWhereTheMapFillsItsBox) {
+  Random random(5);
+  ReduceOptions options = with(MergeMethod::kAuto);
+  options.tree = TreeMode::kSmall;
+  for (int trial = 0; trial < 8; ++trial) {
+    std::vector<std::string> rows(4, "aaaaa");
+    for (std::string& row : rows) {
+      for (char& cell : row) cell = static_cast<char>('a' + random.below(3));
+    }
+    const MapInMemory original(gridMap(5, 4, cellsOf(rows)));
+    const MapContent content = reduceAndProve(original, options).content;
+    for (const MapContent::Leaf& leaf : content.leaves) EXPECT_EQ(leaf.count, 1u) << trial;
+    for (const std::uint32_t tests : content.tests) EXPECT_EQ(tests, 0u) << trial;
+    EXPECT_EQ(uselessNodes(content), 0u) << trial;
+    const MapInMemory reduced(content);
+    expectSameAnswers(original.map(), reduced.map(), 40);
+    const std::size_t least = leastDepth(rows, 0, 5, 0, 4);
+    EXPECT_GE(reduced.map().cost().depth, least) << trial;
+    EXPECT_LE(reduced.map().cost().depth, least + 1) << trial;
+  }
+}
+
+TEST(Reduce, SmallTreesTellWhatIsOutside) {
+  Random random(6);
+  ReduceOptions options = with(MergeMethod::kAuto);
+  options.tree = TreeMode::kSmall;
+  for (int trial = 0; trial < 8; ++trial) {
+    std::vector<std::string> rows(4, "aaaaa");
+    for (std::string& row : rows) {
+      for (char& cell : row) cell = random.below(5) == 0 ? '.' : random.below(2) == 0 ? 'a' : 'b';
+    }
+    rows[0][0] = 'a';
+    const MapInMemory original(gridMap(5, 4, cellsOf(rows)));
+    expectSameAnswers(original.map(), MapInMemory(reduceAndProve(original, options).content).map(), 40);
+  }
+}
+
 TEST(Reduce, GivesTheSameBytesForAnyNumberOfThreads) {
   const MapInMemory original(gridMap(7, 4, cellsOf({"LaULLbL", "LLbUabL", "LaUUUcL", "aLUbUUa"})));
   for (const bool separate : {false, true}) {
-    ReduceOptions options = with(MergeMethod::kAuto, separate);
-    const std::vector<std::byte> bytes = layOut(reduce(original.map(), options).content);
-    options.threads = 3;
-    EXPECT_EQ(layOut(reduce(original.map(), options).content), bytes);
+    for (const TreeMode mode : {TreeMode::kAuto, TreeMode::kSmall}) {
+      ReduceOptions options = with(MergeMethod::kAuto, separate);
+      options.tree = mode;
+      const std::vector<std::byte> bytes = layOut(reduce(original.map(), options).content);
+      options.threads = 3;
+      EXPECT_EQ(layOut(reduce(original.map(), options).content), bytes);
+    }
   }
 }
 

@@ -117,6 +117,32 @@ TEST(SearchTree, IntervalsAreHalvedUntilNoRowIsLeft) {
   }
 }
 
+TEST(SearchTree, PlanesThatDivideLawsComeFirst) {
+  TreeRegions regions = intervals();
+  TreeOptions options;
+  const SearchTree halves = buildTree(regions, options);
+  EXPECT_EQ(halves.nodes.at(0).plane, 8u);
+  for (std::uint32_t i = 0; i < 16; ++i) regions.laws.push_back(i < 12 ? 0 : 1);
+  const SearchTree laws = buildTree(regions, options);
+  EXPECT_EQ(laws.nodes.at(0).plane, 12u);
+  EXPECT_EQ(mostCandidates(laws), 1u);
+}
+
+// Two planes cross at an angle of 0.005.
+TEST(SearchTree, PlanesOfOnePathKeepTheLeastAngle) {
+  TreeRegions regions;
+  regions.p = 2;
+  regions.planes = {0.0, 1.0, 0.0, std::sin(0.005), std::cos(0.005), 0.0};
+  regions.rows = {{1, 2}, {1, -2}, {-1, 2}, {-1, -2}};
+  regions.centres = {0.0, -0.5, 0.9, -0.002, -0.9, 0.002, 0.0, 0.5};
+  TreeOptions options;
+  EXPECT_EQ(buildTree(regions, options).depth, 2u);
+  options.least_angle = 0.01;
+  const SearchTree wide = buildTree(regions, options);
+  EXPECT_EQ(wide.depth, 1u);
+  EXPECT_EQ(mostCandidates(wide), 2u);
+}
+
 TEST(SearchTree, ThereMayBeNoNodes) {
   TreeOptions options;
   options.mode = TreeMode::kNone;

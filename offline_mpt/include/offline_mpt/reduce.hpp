@@ -32,9 +32,9 @@ struct ReduceOptions {
   bool separate = false;  ///< let few fallback regions take the place of saturated ones
   /// Laws that differ by less anywhere in the box are one, relative to max(1, |finite bounds of u|).
   double law_tolerance = 1e-9;
-  /// How far the search tree grows. kSmall: as far as it shortens look-ups, and these leave out rows that the way to a
-  /// leaf implies. kAuto: at most two nodes per region, and look-ups test all rows, which may give exported
-  /// code smaller error bounds.
+  /// How far the search tree grows. kSmall: as far as it shortens look-ups. These leave out rows that the way to a leaf
+  /// implies, and cells of the tree that hold one law become regions. kAuto: at most two nodes per region, and look-ups
+  /// test all rows.
   TreeMode tree = TreeMode::kAuto;
   /// TreeOptions::side_tolerance; a tenth of it where there are fallback regions.
   double side_tolerance = 1e-9;

@@ -18,6 +18,9 @@ struct TreeRegions {
   std::vector<double> planes;
   std::vector<std::vector<std::int32_t>> rows;  ///< per region
   std::vector<double> centres;                  ///< per region p numbers, strictly inside
+  /// Per region its law. Where it is given, planes that divide laws come before those that divide regions only. Other
+  /// processes are not told.
+  std::vector<std::uint32_t> laws;
 };
 
 /// Why a tree has grown no further.
@@ -72,6 +75,9 @@ struct TreeOptions {
   bool all_rows = false;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
   double side_tolerance = 1e-12;
+  /// No plane crosses another one of its path, within the box, at a smaller angle: the sum of the differences of unit
+  /// planes. Rounding to doubles alone needs 1e-4, which holds in any case.
+  double least_angle = 0.0;
   /// No cell is made whose inscribed ball has a smaller radius [scaled].
   double least_cell = 0.0;
   /// Number of threads. The tree does not depend on it.

@@ -51,8 +51,8 @@ class Reducer {
     if (options_.separate) chooseFallbacks();
     collect();
     ReduceResult result;
-    result.content = encodeReduced(map_, planes_, {entries_, first_fallback_, slack_}, options_);
-    result.content.solver_notes = notes() + result.content.solver_notes;
+    result.content = encodeReduced(map_, planes_, {entries_, first_fallback_, box_, slack_}, options_);
+    result.content.solver_notes = notes(result.content.regions.size()) + result.content.solver_notes;
     result.stats = stats_;
     return result;
   }
@@ -241,10 +241,10 @@ class Reducer {
     return -1;
   }
 
-  std::string notes() const {
+  std::string notes(std::size_t regions) const {
     std::string text = "reduced_from: " + hexDigits(map_.checksum()) + "\n";
     text += "regions_before: " + std::to_string(map_.regionCount()) + "\n";
-    text += "regions: " + std::to_string(entries_.size()) + "\n";
+    text += "regions: " + std::to_string(regions) + "\n";
     text += "fallback_regions: " + std::to_string(fallbacks_.size()) + "\n";
     text += std::string("merge: ") + toString(options_.merge) + "\n";
     if (!stats_.separation.empty()) text += "separation: " + stats_.separation + "\n";

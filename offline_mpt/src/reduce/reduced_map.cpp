@@ -1,11 +1,14 @@
 #include "reduce/reduced_map.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "offline_mpt/search_tree.hpp"
+#include "reduce/law_leaves.hpp"
 #include "reduce/prune_tree.hpp"
 #include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
@@ -16,6 +19,43 @@ namespace {
 
 // Of kAuto.
 constexpr std::size_t kNodesPerRegion = 2;
+
+std::size_t worstLookUp(const SearchTree& tree, const TreeRegions& regions) {
+  std::vector<std::size_t> depth(tree.nodes.size(), 0);
+  std::size_t worst = 0;
+  const auto reach = [&](std::uint32_t child, std::size_t above) {
+    if ((child & MapContent::kLeaf) == 0) {
+      depth[child] = above;
+      return;
+    }
+    const MapContent::Leaf& leaf = tree.leaves[child & ~MapContent::kLeaf];
+    std::size_t cost = above;
+    for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k)
+      cost += testedRows(tree.tests[k], static_cast<std::uint32_t>(regions.rows[tree.candidates[k]].size()));
+    worst = std::max(worst, cost);
+  };
+  reach(tree.root, 0);
+  // Children follow their parents.
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    reach(tree.nodes[i].below, depth[i] + 1);
+    reach(tree.nodes[i].above, depth[i] + 1);
+  }
+  return worst;
+}
+
+/// What look-ups read of planes and nodes.
+std::size_t bytesRead(const SearchTree& tree, const TreeRegions& regions) {
+  const std::size_t plane_bytes = sizeof(double) * (static_cast<std::size_t>(regions.p) + 1);
+  std::set<std::size_t> planes;
+  for (const MapContent::Node& node : tree.nodes) planes.insert(node.plane);
+  for (std::size_t k = 0; k < tree.candidates.size(); ++k) {
+    const RowList& rows = regions.rows[tree.candidates[k]];
+    for (std::uint32_t row = 0; row < rows.size(); ++row) {
+      if (isTested(tree.tests[k], row)) planes.insert(static_cast<std::size_t>(std::abs(rows[row])) - 1);
+    }
+  }
+  return plane_bytes * planes.size() + sizeof(MapContent::Node) * tree.nodes.size();
+}
 
 class Encoder {
  public:
@@ -39,56 +79,110 @@ class Encoder {
     content.inputs = map_.inputs();
     content.reduced_from = map_.checksum();
     content.first_fallback = static_cast<std::uint32_t>(reduced_.first_fallback);
-    TreeRegions tree;
-    tree.p = planes_.p;
-    addPlanes(content, tree);
-    addRegions(content, tree);
-    addTree(content, tree);
+    SearchTree tree = findTree();
+    content.solver_notes = "tree_depth: " + std::to_string(tree.depth) + "\n";
+    content.root = tree.root;
+    content.nodes = std::move(tree.nodes);
+    content.leaves = std::move(tree.leaves);
+    content.candidates = std::move(tree.candidates);
+    content.tests = std::move(tree.tests);
+    addPlanes(content);
+    addRegions(content);
+    orderRows(content);
     return content;
   }
 
  private:
-  void addTree(MapContent& content, const TreeRegions& tree) const {
+  /// Nodes name planes by their number in `planes_`. Of kSmall, regions may be added or left out.
+  SearchTree findTree() {
+    TreeRegions regions;
+    regions.p = planes_.p;
+    regions.planes = planes_.planes;
+    PruneRegions laws{{}, entries_.size()};
+    for (const ReducedRegion& entry : entries_) {
+      regions.rows.push_back(entry.piece.rows);
+      regions.centres.insert(regions.centres.end(), entry.piece.centre.begin(), entry.piece.centre.end());
+      laws.laws.push_back(entry.law);
+    }
     TreeOptions options;
     options.mode = options_.tree;
     options.threads = options_.threads;
     options.side_tolerance = options_.side_tolerance;
     if (options.mode != TreeMode::kSmall) {
       options.all_rows = true;
-      options.node_limit = kNodesPerRegion * tree.rows.size();
+      options.node_limit = kNodesPerRegion * regions.rows.size();
     }
-    PruneRegions regions{{}, content.regions.size()};
-    for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
     if (reduced_.first_fallback != 0) {
       options.side_tolerance *= tolerance::kSharpSide;
-      regions.first_fallback = reduced_.first_fallback;
+      laws.first_fallback = reduced_.first_fallback;
     }
-    const ScaledPlanes planes{tree.p, tree.planes};
-    CellGeometry geometry(planes);
-    SearchTree found =
-        pruneTree(geometry, tree, regions, reduced_.slack, options.side_tolerance, buildTree(tree, options));
-    content.solver_notes = "tree_depth: " + std::to_string(found.depth) + "\n";
-    content.root = found.root;
-    content.nodes = std::move(found.nodes);
-    content.leaves = std::move(found.leaves);
-    content.candidates = std::move(found.candidates);
-    content.tests = std::move(found.tests);
-    orderRows(content);
+    CellGeometry geometry(planes_);
+    if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
+      return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
+                       buildTree(regions, options));
+    options.least_angle = tolerance::kCellAngle;
+    GrownTree best = growTree(geometry, regions, laws, options);
+    TreeRegions with_laws = regions;
+    with_laws.laws = laws.laws;
+    GrownTree other = growTree(geometry, with_laws, laws, options);
+    if (other.cost < best.cost) best = std::move(other);
+    for (LawCell& cell : best.cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
+    dropUnusedRegions(best.tree);
+    return std::move(best.tree);
   }
 
-  /// Only planes that are still used; rows are renumbered.
-  void addPlanes(MapContent& content, TreeRegions& tree) {
+  /// A tree, with the regions that its leaves add.
+  struct GrownTree {
+    SearchTree tree;
+    std::vector<LawCell> cells;
+    /// Half-spaces of the worst look-up, then the bytes that look-ups read of planes and nodes.
+    std::pair<std::size_t, std::size_t> cost;
+  };
+
+  GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
+                     const TreeOptions& options) const {
+    GrownTree result;
+    const SearchTree grown = buildTree(regions, options);
+    result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
+    for (const LawCell& cell : result.cells) {
+      regions.rows.push_back(cell.piece.rows);
+      laws.laws.push_back(cell.law);
+    }
+    laws.first_fallback = laws.laws.size();
+    result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
+    result.cost = {worstLookUp(result.tree, regions), bytesRead(result.tree, regions)};
+    return result;
+  }
+
+  /// Leaves out the regions that no leaf names.
+  void dropUnusedRegions(SearchTree& tree) {
+    constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+    std::vector<std::uint32_t> number(entries_.size(), kUnused);
+    for (const std::uint32_t region : tree.candidates) number[region] = 0;
+    std::uint32_t kept = 0;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (number[i] == kUnused) continue;
+      number[i] = kept;
+      if (kept != i) entries_[kept] = std::move(entries_[i]);
+      ++kept;
+    }
+    entries_.resize(kept);
+    for (std::uint32_t& region : tree.candidates) region = number[region];
+  }
+
+  /// Only planes that are still used; nodes and rows are renumbered.
+  void addPlanes(MapContent& content) {
     const auto p = static_cast<std::size_t>(planes_.p);
     std::vector<std::int32_t> number(planes_.planes.size() / (p + 1), 0);
     for (const ReducedRegion& entry : entries_) {
       for (const std::int32_t row : entry.piece.rows) number[static_cast<std::size_t>(std::abs(row)) - 1] = 1;
     }
+    for (const MapContent::Node& node : content.nodes) number[node.plane] = 1;
     std::int32_t next = 0;
     for (std::size_t i = 0; i < number.size(); ++i) {
       if (number[i] == 0) continue;
       number[i] = ++next;
       const double* const scaled = planes_.planes.data() + i * (p + 1);
-      tree.planes.insert(tree.planes.end(), scaled, scaled + p + 1);
       if (i < map_.planeCount()) {
         content.planes.insert(content.planes.end(), map_.plane(i), map_.plane(i) + p + 1);
         continue;
@@ -102,6 +196,8 @@ class Encoder {
       }
       content.planes.push_back(bound);
     }
+    for (MapContent::Node& node : content.nodes)
+      node.plane = static_cast<std::uint32_t>(number[node.plane] - 1);
     for (ReducedRegion& entry : entries_) {
       for (std::int32_t& row : entry.piece.rows) {
         const std::int32_t plane = number[static_cast<std::size_t>(std::abs(row)) - 1];
@@ -110,7 +206,7 @@ class Encoder {
     }
   }
 
-  void addRegions(MapContent& content, TreeRegions& tree) {
+  void addRegions(MapContent& content) {
     const std::size_t width = map_.inputs().size() * (map_.parameters().size() + 1);
     std::map<std::uint32_t, std::uint32_t> laws;
     for (const ReducedRegion& entry : entries_) laws.emplace(entry.law, 0);
@@ -132,8 +228,6 @@ class Encoder {
       }
       content.rows.insert(content.rows.end(), entry.piece.rows.begin(), entry.piece.rows.end());
       content.regions.push_back(region);
-      tree.rows.push_back(entry.piece.rows);
-      tree.centres.insert(tree.centres.end(), entry.piece.centre.begin(), entry.piece.centre.end());
     }
   }
 

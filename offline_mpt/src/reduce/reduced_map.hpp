@@ -23,6 +23,7 @@ struct ReducedRegion {
 struct ReducedRegions {
   std::vector<ReducedRegion> regions;
   std::size_t first_fallback = 0;  ///< 0: none
+  RowList box;                     ///< rows of the sides of the box
   double slack = 0.0;              ///< how far outside a half-space still counts as inside [scaled]
 };
 

@@ -39,4 +39,8 @@ constexpr double kNearPlane = 1e-4;
 /// A sliver that the tree leaves to a neighbour must not be left to a fallback region, whose law may be another.
 constexpr double kSharpSide = 0.03;
 
+/// Least angle of planes on one path where cells become regions. Exported code moves the corner of a cell by its rounding
+/// over this angle.
+constexpr double kCellAngle = 1e-2;
+
 }  // namespace polyfly::tolerance

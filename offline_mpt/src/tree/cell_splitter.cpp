@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "support/in_parallel.hpp"
@@ -28,7 +30,12 @@ void CellSplitter::Estimate::add(unsigned sides, std::size_t rows) {
   if ((sides & kAbove) != 0) above += rows;
 }
 
+bool CellSplitter::Estimate::mayReach(const Estimate& other) const {
+  return laws != other.laws ? laws < other.laws : fuller() <= other.fuller();
+}
+
 bool CellSplitter::Estimate::isBetterThan(const Estimate& other) const {
+  if (laws != other.laws) return laws < other.laws;
   if (fuller() != other.fuller()) return fuller() < other.fuller();
   if (below + above != other.below + other.above) return below + above < other.below + other.above;
   return plane < other.plane;
@@ -40,7 +47,8 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
       planes_tried_(options.planes_tried),
       all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance),
-      least_cell_(options.least_cell) {
+      least_cell_(options.least_cell),
+      least_angle_(std::max(options.least_angle, tolerance::kSharpAngle)) {
   for (int k = 0; k < threads_; ++k)
     solvers_.emplace_back(regions, options.side_tolerance, least_cell_ > 0.0);
 }
@@ -109,11 +117,12 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, 
   std::sort(estimates.begin(), estimates.end(),
             [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
   const std::size_t all = tests(cell);
+  const std::size_t all_laws = lawsOf(cell, std::vector<unsigned char>(cell.members.size(), kBelow), kBelow);
   const std::size_t tried = cell.members.size() > kManyMembers ? 1 : planes_tried_;
   std::vector<unsigned char> sides(cell.members.size()), best_sides;
   std::optional<Estimate> best;
   for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {
-    if (best && (i >= tried || estimates[i].fuller() > best->fuller())) break;
+    if (best && (i >= tried || !estimates[i].mayReach(*best))) break;
     if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
     for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
@@ -121,7 +130,8 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, 
     });
     for (std::size_t k = 0; k < sides.size(); ++k)
       exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
-    if (exact.fuller() + 1 >= all || (best && !exact.isBetterThan(*best)) ||
+    exact.laws = std::max(lawsOf(cell, sides, kBelow), lawsOf(cell, sides, kAbove));
+    if ((exact.fuller() + 1 >= all && exact.laws >= all_laws) || (best && !exact.isBetterThan(*best)) ||
         hasFlatSide(cell, exact.plane, sides, own))
       continue;
     best = exact;
@@ -139,7 +149,7 @@ bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
     for (const double sign : {1.0, -1.0}) {
       double turn = 0.0;
       for (std::size_t j = 0; j < p; ++j) turn += std::abs(a[j] - sign * b[j]);
-      if (turn < tolerance::kSharpAngle && std::abs(a[p] - sign * b[p]) <= turn) return true;
+      if (turn < least_angle_ && std::abs(a[p] - sign * b[p]) <= turn) return true;
     }
     return false;
   });
@@ -175,7 +185,39 @@ std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) con
   for (std::size_t i = 0; i < planes.size(); ++i)
     estimates.push_back(
         {planes[i], static_cast<std::size_t>(block.below(i)), static_cast<std::size_t>(block.above(i))});
+  if (!regions_.laws.empty()) estimateLaws(cell, step, planes, estimates);
   return estimates;
+}
+
+void CellSplitter::estimateLaws(const Cell& cell, std::size_t step, const std::vector<std::size_t>& planes,
+                                std::vector<Estimate>& estimates) const {
+  const auto p = static_cast<std::size_t>(regions_.p);
+  std::map<std::uint32_t, PlaneBlock> sides;
+  for (std::size_t m = 0; m < cell.members.size(); m += step) {
+    const CellMember& member = cell.members[m];
+    const auto found = sides.try_emplace(regions_.laws[member.region], regions_.planes, planes, p).first;
+    found->second.weigh(member.inner.data(), {member.points.data(), member.points.size() / p},
+                        side_tolerance_, 1.0);
+  }
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    std::size_t below = 0, above = 0;
+    for (const auto& [law, block] : sides) {
+      below += block.below(i) > 0.0 ? 1 : 0;
+      above += block.above(i) > 0.0 ? 1 : 0;
+    }
+    estimates[i].laws = std::max(below, above);
+  }
+}
+
+/// Number of laws of the members that have a side; 0 where laws do not count.
+std::size_t CellSplitter::lawsOf(const Cell& cell, const std::vector<unsigned char>& sides,
+                                 unsigned side) const {
+  if (regions_.laws.empty()) return 0;
+  std::set<std::uint32_t> laws;
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    if ((sides[k] & side) != 0) laws.insert(regions_.laws[cell.members[k].region]);
+  }
+  return laws.size();
 }
 
 // Planes of rows to test, each once, at most kPlanesScored.

@@ -54,9 +54,13 @@ class CellSplitter {
     std::size_t plane = 0;
     std::size_t below = 0;
     std::size_t above = 0;
+    /// On the side with more of them; 0 where laws do not count.
+    std::size_t laws = 0;
 
     std::size_t fuller() const { return below > above ? below : above; }
     void add(unsigned sides, std::size_t rows);
+    /// Whether a plane with at least so much on its sides may be as good as the other one.
+    bool mayReach(const Estimate& other) const;
     bool isBetterThan(const Estimate& other) const;
   };
 
@@ -64,12 +68,15 @@ class CellSplitter {
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
   std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
-  /// Whether the plane crosses one on the cell's path within the box at an angle below kSharpAngle.
+  /// Whether the plane crosses one on the cell's path within the box at an angle below the least one.
   bool makesSharpEdge(const Cell& cell, std::size_t plane) const;
   bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    MemberSolver& solver) const;
   std::vector<Estimate> estimate(const Cell& cell) const;
   std::vector<std::size_t> planesOf(const Cell& cell, std::size_t step) const;
+  std::size_t lawsOf(const Cell& cell, const std::vector<unsigned char>& sides, unsigned side) const;
+  void estimateLaws(const Cell& cell, std::size_t step, const std::vector<std::size_t>& planes,
+                    std::vector<Estimate>& estimates) const;
   template <class ForEach>
   CellSplit divide(Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    const ForEach& for_each);
@@ -80,6 +87,7 @@ class CellSplitter {
   bool all_rows_;
   double side_tolerance_;
   double least_cell_;
+  double least_angle_;
   std::vector<MemberSolver> solvers_;  // one per thread
 };
 
