@@ -14,6 +14,9 @@ namespace {
 // Planes and members that estimates look at, evenly drawn from more.
 constexpr std::size_t kPlanesScored = 200;
 constexpr std::size_t kMembersScored = 1024;
+// Of more members and planes, estimates from so many members choose so many planes to be scored by all.
+constexpr std::size_t kRoughMembers = 64;
+constexpr std::size_t kShortList = 32;
 // Above so many members, estimates are good enough for one plane.
 constexpr std::size_t kManyMembers = 200;
 // Planes tried before a cell counts as one that no plane divides.
@@ -104,30 +107,59 @@ std::optional<CellSplit> CellSplitter::splitTogether(Cell& cell) {
 template <class ForEach>
 std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each) {
   if (cell.members.size() < 2) return std::nullopt;
-  std::vector<Estimate> estimates = estimate(cell);
+  std::vector<unsigned char> sides;
+  bool is_short = false;
+  std::optional<Estimate> best = bestOf(cell, estimate(cell, is_short), own, for_each, sides);
+  if (!best && is_short)
+    best = bestOf(cell, scored(cell, planesOf(cell), kMembersScored), own, for_each, sides);
+  if (!best) return std::nullopt;
+  return divide(cell, best->plane, sides, for_each);
+}
+
+// Splits by the first planes, by their estimates, exactly; `best_sides` receives those of the members.
+template <class ForEach>
+std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vector<Estimate> estimates,
+                                                           MemberSolver& own, const ForEach& for_each,
+                                                           std::vector<unsigned char>& best_sides) {
   std::sort(estimates.begin(), estimates.end(),
             [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
   const std::size_t all = tests(cell);
   const std::size_t tried = cell.members.size() > kManyMembers ? 1 : planes_tried_;
-  std::vector<unsigned char> sides(cell.members.size()), best_sides;
+  std::vector<unsigned char> sides(cell.members.size());
   std::optional<Estimate> best;
   for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {
     if (best && (i >= tried || estimates[i].fuller() > best->fuller())) break;
     if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
-    for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
-      sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
-    });
-    for (std::size_t k = 0; k < sides.size(); ++k)
-      exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
-    if (exact.fuller() + 1 >= all || (best && !exact.isBetterThan(*best)) ||
-        hasFlatSide(cell, exact.plane, sides, own))
-      continue;
+    if (best) {
+      if (!isBetter(cell, *best, own, exact, sides)) continue;
+    } else {
+      for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
+        sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
+      });
+      for (std::size_t k = 0; k < sides.size(); ++k)
+        exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
+    }
+    if (exact.fuller() + 1 >= all || hasFlatSide(cell, exact.plane, sides, own)) continue;
     best = exact;
     best_sides = sides;
   }
-  if (!best) return std::nullopt;
-  return divide(cell, best->plane, best_sides, for_each);
+  return best;
+}
+
+// Whether the split by the plane of `exact` is better than the best. Ends as soon as it is not.
+bool CellSplitter::isBetter(Cell& cell, const Estimate& best, MemberSolver& solver, Estimate& exact,
+                            std::vector<unsigned char>& sides) const {
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    sides[k] = static_cast<unsigned char>(solver.seenSides(cell.members[k], exact.plane));
+    exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
+  }
+  for (std::size_t k = 0; k < sides.size() && exact.isBetterThan(best); ++k) {
+    const auto all = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
+    exact.add(all & ~unsigned{sides[k]}, testsBesides(cell.members[k], exact.plane));
+    sides[k] = all;
+  }
+  return exact.isBetterThan(best);
 }
 
 bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
@@ -160,10 +192,27 @@ bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::v
   return false;
 }
 
-std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) const {
-  const std::size_t step = (cell.members.size() + kMembersScored - 1) / kMembersScored;
+// Of many planes and members, those of the best planes by a look at few members; `is_short` tells whether planes are
+// missing.
+std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell, bool& is_short) const {
+  std::vector<std::size_t> planes = planesOf(cell);
+  is_short = planes.size() > kShortList && cell.members.size() > kRoughMembers;
+  if (is_short) {
+    std::vector<Estimate> rough = scored(cell, planes, kRoughMembers);
+    std::nth_element(rough.begin(), rough.begin() + kShortList, rough.end(),
+                     [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
+    for (std::size_t i = 0; i < kShortList; ++i) planes[i] = rough[i].plane;
+    planes.resize(kShortList);
+  }
+  return scored(cell, planes, kMembersScored);
+}
+
+// By at most so many members.
+std::vector<CellSplitter::Estimate> CellSplitter::scored(const Cell& cell,
+                                                         const std::vector<std::size_t>& planes,
+                                                         std::size_t most) const {
+  const std::size_t step = (cell.members.size() + most - 1) / most;
   const auto p = static_cast<std::size_t>(regions_.p);
-  const std::vector<std::size_t> planes = planesOf(cell, step);
   PlaneBlock block(regions_.planes, planes, p);
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     const CellMember& member = cell.members[m];
@@ -178,7 +227,8 @@ std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) con
 }
 
 // Planes of rows to test, each once, at most kPlanesScored.
-std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell, std::size_t step) const {
+std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell) const {
+  const std::size_t step = (cell.members.size() + kMembersScored - 1) / kMembersScored;
   std::vector<std::size_t> planes;
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     for (const std::int32_t row : cell.members[m].rows) planes.push_back(planeOf(row));

@@ -68,8 +68,15 @@ class CellSplitter {
   bool makesSharpEdge(const Cell& cell, std::size_t plane) const;
   bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    MemberSolver& solver) const;
-  std::vector<Estimate> estimate(const Cell& cell) const;
-  std::vector<std::size_t> planesOf(const Cell& cell, std::size_t step) const;
+  template <class ForEach>
+  std::optional<Estimate> bestOf(Cell& cell, std::vector<Estimate> estimates, MemberSolver& own,
+                                 const ForEach& for_each, std::vector<unsigned char>& best_sides);
+  bool isBetter(Cell& cell, const Estimate& best, MemberSolver& solver, Estimate& exact,
+                std::vector<unsigned char>& sides) const;
+  std::vector<Estimate> estimate(const Cell& cell, bool& is_short) const;
+  std::vector<Estimate> scored(const Cell& cell, const std::vector<std::size_t>& planes,
+                               std::size_t most) const;
+  std::vector<std::size_t> planesOf(const Cell& cell) const;
   template <class ForEach>
   CellSplit divide(Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    const ForEach& for_each);

@@ -138,6 +138,7 @@ void MemberSolver::gatherRow(std::int32_t row, double moved) {
 // Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
 // tolerance. If no row is, one look at all of them shows it.
 void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
+  if (member.excess <= tolerance::kUntestedReach) return;
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
   for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : tolerance::kMissedPlane);
@@ -251,6 +252,7 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
   const auto row = static_cast<std::int32_t>(plane) + 1;
   CellMember part;
   part.region = member.region;
+  part.excess = member.excess;
   part.rows = member.rows;
   part.walls.reserve(member.walls.size() + 1);
   part.walls = member.walls;
@@ -363,11 +365,14 @@ void MemberSolver::decide(CellMember& member) {
     }
   }
   ordered_.resize(rows_.size());
+  is_loose_.clear();
+  for (const std::size_t k : order_) is_loose_.push_back(k < member.rows.size() ? 1 : 0);
   for (std::size_t k = 0; k < order_.size(); ++k)
     std::copy_n(rows_.data() + order_[k] * (p + 1), p + 1, ordered_.data() + k * (p + 1));
   const auto kept = static_cast<int>(std::count(is_settled_.begin(), is_settled_.end(), 1));
   if (!solver_.minimalBeside(kept, ordered_.data(), static_cast<int>(order_.size()), member.inner.data(),
-                             tolerance::kImpliedRow, minimal_)) {
+                             tolerance::kImpliedRow, minimal_,
+                             {is_loose_.data(), format::kMaxTolerance, tolerance::kUntestedReach})) {
     // All stay.
     for (std::size_t k = 0; k < is_settled_.size(); ++k) {
       if (is_settled_[k] == 0)
@@ -376,6 +381,7 @@ void MemberSolver::decide(CellMember& member) {
     }
     return;
   }
+  member.excess *= minimal_.excess;
   for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
     const std::size_t bound = order_[static_cast<std::size_t>(minimal_.facets[f])];
     const double* const beyond = minimal_.beyond.data() + f * p;

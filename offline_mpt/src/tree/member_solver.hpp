@@ -80,6 +80,7 @@ class MemberSolver {
   std::vector<std::size_t> order_;
   std::vector<std::int32_t> questioned_;
   std::vector<double> ordered_;  // rows in that order
+  std::vector<char> is_loose_;
   std::vector<double> direction_, point_;
 };
 
