@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "support/in_parallel.hpp"
@@ -23,6 +24,25 @@ constexpr std::size_t kManyMembers = 200;
 constexpr std::size_t kMostTried = 64;
 // Members that a thread takes at once.
 constexpr std::uint64_t kChunk = 64;
+
+/// Keeps of each number that which comes first. By a table of hashes, faster than to sort.
+void dropRepeated(std::vector<std::size_t>& numbers) {
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
+  unsigned bits = 4;
+  while ((std::size_t{1} << bits) < 2 * numbers.size()) ++bits;
+  const std::size_t mask = (std::size_t{1} << bits) - 1;
+  // One more than an index of a number that is kept, 0: none.
+  std::vector<std::uint32_t> table(mask + 1, 0);
+  std::size_t kept = 0;
+  for (const std::size_t number : numbers) {
+    std::size_t place = (number * kFactor) >> (64 - bits);
+    while (table[place] != 0 && numbers[table[place] - 1] != number) place = (place + 1) & mask;
+    if (table[place] != 0) continue;
+    numbers[kept++] = number;
+    table[place] = static_cast<std::uint32_t>(kept);
+  }
+  numbers.resize(kept);
+}
 
 }  // namespace
 
@@ -233,8 +253,7 @@ std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell) const {
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     for (const std::int32_t row : cell.members[m].rows) planes.push_back(planeOf(row));
   }
-  std::sort(planes.begin(), planes.end());
-  planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+  dropRepeated(planes);
   const std::size_t stride = (planes.size() + kPlanesScored - 1) / kPlanesScored;
   std::vector<std::size_t> drawn;
   for (std::size_t i = 0; i < planes.size(); i += stride) drawn.push_back(planes[i]);

@@ -250,16 +250,14 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
   const std::size_t p = parameters();
   const std::size_t bounds = member.bounds();
   const auto row = static_cast<std::int32_t>(plane) + 1;
-  CellMember part;
+  CellMember& part = part_;
   part.region = member.region;
   part.excess = member.excess;
   part.rows = member.rows;
-  part.walls.reserve(member.walls.size() + 1);
   part.walls = member.walls;
   part.walls.push_back(side == kBelow ? row : -row);
   part.inner = member.inner;
   moveInner(part, plane, sign(side), member.points);
-  part.points.reserve((bounds + 1 + kOtherPoints) * p);
   part.points.assign(member.points.begin(), member.points.begin() + static_cast<std::ptrdiff_t>(bounds * p));
   part.points.insert(part.points.end(), part.inner.begin(), part.inner.end());  // on the new wall, see below
   // Undecided members may have no known point here. Without one inside, all rows stay.
@@ -277,8 +275,6 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
     }
   }
   settle(part);
-  // Cells are many: no memory is left over.
-  part.points.shrink_to_fit();
   return part;
 }
 
@@ -397,17 +393,20 @@ void MemberSolver::decide(CellMember& member) {
 // Drops what is not settled.
 void MemberSolver::drop(CellMember& member) const {
   const std::size_t p = parameters(), bounds = member.bounds();
-  std::vector<std::int32_t> rows, walls;
-  std::size_t kept = 0;
+  const std::size_t rows = member.rows.size();
+  std::size_t kept = 0, kept_rows = 0, kept_walls = 0;
   for (std::size_t k = 0; k < member.points.size() / p; ++k) {
     if (k < bounds && is_settled_[k] == 0) continue;
-    if (k < bounds) (k < member.rows.size() ? rows : walls).push_back(member.bound(k));
+    if (k < rows)
+      member.rows[kept_rows++] = member.rows[k];
+    else if (k < bounds)
+      member.walls[kept_walls++] = member.walls[k - rows];
     std::copy_n(member.points.begin() + static_cast<std::ptrdiff_t>(k * p), p,
                 member.points.begin() + static_cast<std::ptrdiff_t>(kept++ * p));
   }
+  member.rows.resize(kept_rows);
+  member.walls.resize(kept_walls);
   member.points.resize(kept * p);
-  member.rows = std::move(rows);
-  member.walls = std::move(walls);
 }
 
 // Moves the inner point, if it lies on the other side, to half-way between the plane and the point furthest out on
