@@ -15,11 +15,11 @@ namespace {
 // Planes and members that estimates look at, evenly drawn from more.
 constexpr std::size_t kPlanesScored = 200;
 constexpr std::size_t kMembersScored = 1024;
-// Of more members and planes, estimates from so many members choose so many planes to be scored by all.
-constexpr std::size_t kRoughMembers = 64;
-constexpr std::size_t kShortList = 32;
-// Above so many members, estimates are good enough for one plane.
+// Above so many members, estimates are good enough for one plane. Of more planes than the short list holds, it has the
+// best by a few members.
 constexpr std::size_t kManyMembers = 200;
+constexpr std::size_t kRoughMembers = 48;
+constexpr std::size_t kShortList = 16;
 // Planes tried before a cell counts as one that no plane divides.
 constexpr std::size_t kMostTried = 64;
 // Members that a thread takes at once.
@@ -61,6 +61,7 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
     : regions_(regions),
       threads_(std::max(1, options.threads)),
       planes_tried_(options.planes_tried),
+      is_thorough_(options.mode == TreeMode::kSmall),
       all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance),
       least_cell_(options.least_cell) {
@@ -151,7 +152,7 @@ std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vect
     if (best && (i >= tried || estimates[i].fuller() > best->fuller())) break;
     if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
-    if (best) {
+    if (best && !is_thorough_) {
       if (!isBetter(cell, *best, own, exact, sides)) continue;
     } else {
       for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
@@ -160,7 +161,9 @@ std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vect
       for (std::size_t k = 0; k < sides.size(); ++k)
         exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
     }
-    if (exact.fuller() + 1 >= all || hasFlatSide(cell, exact.plane, sides, own)) continue;
+    if (exact.fuller() + 1 >= all || (best && !exact.isBetterThan(*best)) ||
+        hasFlatSide(cell, exact.plane, sides, own))
+      continue;
     best = exact;
     best_sides = sides;
   }
@@ -216,7 +219,7 @@ bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::v
 // missing.
 std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell, bool& is_short) const {
   std::vector<std::size_t> planes = planesOf(cell);
-  is_short = planes.size() > kShortList && cell.members.size() > kRoughMembers;
+  is_short = !is_thorough_ && planes.size() > kShortList && cell.members.size() > kManyMembers;
   if (is_short) {
     std::vector<Estimate> rough = scored(cell, planes, kRoughMembers);
     std::nth_element(rough.begin(), rough.begin() + kShortList, rough.end(),
@@ -254,6 +257,8 @@ std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell) const {
     for (const std::int32_t row : cell.members[m].rows) planes.push_back(planeOf(row));
   }
   dropRepeated(planes);
+  if (planes.size() <= kPlanesScored) return planes;
+  std::sort(planes.begin(), planes.end());
   const std::size_t stride = (planes.size() + kPlanesScored - 1) / kPlanesScored;
   std::vector<std::size_t> drawn;
   for (std::size_t i = 0; i < planes.size(); i += stride) drawn.push_back(planes[i]);

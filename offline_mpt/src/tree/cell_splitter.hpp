@@ -84,6 +84,8 @@ class CellSplitter {
   const TreeRegions& regions_;
   int threads_;
   std::size_t planes_tried_;
+  // kSmall: estimates by all members, and all points that exact splits find.
+  bool is_thorough_;
   bool all_rows_;
   double side_tolerance_;
   double least_cell_;
