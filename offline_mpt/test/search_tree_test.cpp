@@ -302,11 +302,12 @@ TEST(SearchTree, AFastTreeTakesFewPivots) {
 }
 
 // A default tree ends at 150 pivots per half-space of the regions, but not below 1 million. Of them, 40 % are enough
-// once the worst look-up evaluates one half-space of 64.
+// from 5 parameters on, once the worst look-up evaluates one half-space of 64.
 TEST(SearchTree, TheLimitOnPivotsFollowsTheHalfSpaces) {
   const auto end = [](TreeMode mode, std::size_t half_spaces, std::uint64_t explored, std::uint64_t pivots,
-                      std::uint64_t worst) {
+                      std::uint64_t worst, int parameters = 5) {
     TreeRegions regions = intervals();
+    regions.p = parameters;
     regions.rows.assign(half_spaces / 2, {1, 2});
     TreeOptions options;
     options.mode = mode;
@@ -322,6 +323,7 @@ TEST(SearchTree, TheLimitOnPivotsFollowsTheHalfSpaces) {
   EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 3000000, 313), TreeEnd::kPivots);
   EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 1199999, 312), std::nullopt);
   EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 1200000, 312), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 2999999, 1, 4), std::nullopt);
   EXPECT_EQ(end(TreeMode::kFast, 20000, 0, 40000, 313), TreeEnd::kPivots);
   EXPECT_EQ(end(TreeMode::kFast, 20000, 50000, 49999, 0), std::nullopt);
   EXPECT_EQ(end(TreeMode::kSmall, 200, 10, 1000000000, 0), std::nullopt);

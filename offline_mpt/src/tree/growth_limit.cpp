@@ -19,6 +19,8 @@ constexpr std::uint64_t kLeastAutoPivots = 1000000;
 // kAuto: this share of the pivots is enough once the worst look-up evaluates at most one half-space of so many.
 constexpr double kEnough = 0.4;
 constexpr std::uint64_t kShort = 64;
+// Not for so few parameters: there planes separate regions well, and further nodes gain much.
+constexpr int kFewParameters = 4;
 // kAuto: bytes of the tree per byte of the regions, and in any case.
 constexpr std::uint64_t kAutoBytes = 3;
 constexpr std::uint64_t kFreeBytes = 65536;
@@ -95,7 +97,7 @@ GrowthLimit::GrowthLimit(const TreeRegions& regions, const TreeOptions& options)
   if (mode_ == TreeMode::kNone) most_.nodes = 0;
   most_.pivots = mostPivots(regions, options);
   enough_ = static_cast<std::uint64_t>(kEnough * static_cast<double>(most_.pivots));
-  short_ = rowsOf(regions) / kShort;
+  short_ = regions.p > kFewParameters ? rowsOf(regions) / kShort : 0;
   most_.bytes = kFreeBytes + kAutoBytes * bytesOf(regions);
   checked_nodes_ = std::max<std::uint64_t>(kLeastNodes, regions.rows.size() / 4);
 }
