@@ -136,7 +136,8 @@ void MemberSolver::gatherRow(std::int32_t row, double moved) {
 }
 
 // Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
-// tolerance. If no row is, one look at all of them shows it.
+// tolerance. Mostly the splits on the way have shown that no row is, see CellMember::excess. Otherwise one look at all of
+// them may show it.
 void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
   if (member.excess <= tolerance::kUntestedReach) return;
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
