@@ -201,6 +201,83 @@ TEST_P(PolytopeOracle, MinimalRowsAreThoseThatCanBeExceededAlone) {
   }
 }
 
+TEST_P(PolytopeOracle, RowsBesideOthersAreFoundFromTheInside) {
+  const int n = GetParam();
+  std::mt19937_64 random(400 + n);
+  PolytopeSolver solver(n);
+  MinimalRows minimal;
+  for (int round = 0; round < 15; ++round) {
+    const Rows rows = randomPolytope(n, 4 + 2 * round, random);
+    const std::vector<double> inside(n, 0.0);
+    for (const int kept : {0, n, rows.count() - 1}) {
+      ASSERT_TRUE(
+          solver.minimalBeside(kept, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
+      std::vector<char> facet(rows.count(), 0);
+      for (const int i : minimal.facets) facet[i] = 1;
+      for (int i = 0; i < rows.count(); ++i) {
+        const double beyond = excess(rows, i);
+        if (std::abs(beyond) < kAgreement) continue;  // too close for GLPK
+        EXPECT_EQ(facet[i] != 0, i >= kept && beyond > 0.0)
+            << "dimension " << n << " round " << round << " row " << i;
+      }
+    }
+  }
+}
+
+/// Box rows, and many more that touch corners or edges of the box, or cut some off.
+Rows touchingRows(int n, int count, std::mt19937_64& random) {
+  Rows rows = box(n, 1.0);
+  std::uniform_int_distribution<int> entry(-2, 2);
+  for (int k = 0; k < count; ++k) {
+    std::vector<double> a(n, 0.0);
+    double corner = 0.0;
+    for (double& value : a) corner += std::abs(value = entry(random));
+    if (corner == 0.0) continue;
+    rows.add(a, k % 3 == 0 ? 0.8 * corner : k % 3 == 1 ? corner : corner + 0.02 * k);
+  }
+  return rows;
+}
+
+// What rows that were left out lose where loose rows are violated, beside GLPK's maximum of it.
+TEST_P(PolytopeOracle, LeftOutRowsHoldWithinTheExcessOfLooseRows) {
+  const int n = GetParam();
+  constexpr double kAmount = 0.01, kMost = 5.0;
+  std::mt19937_64 random(500 + n);
+  PolytopeSolver solver(n);
+  MinimalRows minimal;
+  int left_out = 0, bounded = 0;
+  for (int round = 0; round < 20; ++round) {
+    const Rows rows = touchingRows(n, 3 + round, random);
+    std::vector<char> is_loose(rows.count()), is_needed(rows.count(), 0);
+    for (std::size_t i = 0; i < is_loose.size(); ++i) is_loose[i] = (i + round) % 3 != 0 ? 1 : 0;
+    const std::vector<double> inside(n, 0.0);
+    ASSERT_TRUE(solver.minimalBeside(0, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal,
+                                     {is_loose.data(), kAmount, kMost}));
+    EXPECT_GE(minimal.excess, 1.0);
+    for (const int i : minimal.facets) is_needed[i] = 1;
+    if (minimal.excess > kMost) continue;
+    ++bounded;
+    Rows moved{n, {}};
+    for (int i = 0; i < rows.count(); ++i) {
+      if (is_loose[i] != 0 && is_needed[i] == 0) continue;
+      moved.data.insert(moved.data.end(), rows.row(i), rows.row(i) + n + 1);
+      if (is_loose[i] != 0) moved.data.back() += kAmount;
+    }
+    for (int i = 0; i < rows.count(); ++i) {
+      if (is_loose[i] == 0 || is_needed[i] != 0) continue;
+      ++left_out;
+      std::vector<double> objective(rows.row(i), rows.row(i) + n);
+      objective.push_back(0.0);
+      bool feasible = false;
+      const double beyond = glpkMaximum(moved, objective, 0.0, -1, feasible) - rows.row(i)[n];
+      ASSERT_TRUE(feasible);
+      EXPECT_LE(beyond, minimal.excess * kAmount + kAgreement) << "round " << round << " row " << i;
+    }
+  }
+  EXPECT_GE(bounded, 5);
+  EXPECT_GE(left_out, n == 1 ? 1 : 10);
+}
+
 INSTANTIATE_TEST_SUITE_P(Dimensions, PolytopeOracle, ::testing::Values(1, 2, 3, 4, 5, 6, 8));
 
 TEST(Polytope, OneOfCoincidentRowsIsKept) {

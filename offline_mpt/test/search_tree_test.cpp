@@ -327,25 +327,32 @@ TEST(SearchTree, AFastTreeTakesFewPivots) {
   }
 }
 
-// A default tree ends at 150 pivots per half-space of the regions, but not below 2.1 million.
+// A default tree ends at 150 pivots per half-space of the regions, but not below 1 million. Of them, 40 % are enough
+// from 5 parameters on, once the worst look-up evaluates one half-space of 64.
 TEST(SearchTree, TheLimitOnPivotsFollowsTheHalfSpaces) {
-  const auto end = [](TreeMode mode, std::size_t half_spaces, std::uint64_t explored, std::uint64_t pivots) {
+  const auto end = [](TreeMode mode, std::size_t half_spaces, std::uint64_t explored, std::uint64_t pivots,
+                      std::uint64_t worst, int parameters = 5) {
     TreeRegions regions = intervals();
+    regions.p = parameters;
     regions.rows.assign(half_spaces / 2, {1, 2});
     TreeOptions options;
     options.mode = mode;
     options.explored_pivots = explored;
     Growth now;
     now.pivots = pivots;
+    now.worst = worst;
     return GrowthLimit(regions, options).reached(now);
   };
-  EXPECT_EQ(end(TreeMode::kAuto, 200, 10, 2099999), std::nullopt);
-  EXPECT_EQ(end(TreeMode::kAuto, 200, 10, 2100000), TreeEnd::kPivots);
-  EXPECT_EQ(end(TreeMode::kAuto, 20000, 10, 2999999), std::nullopt);
-  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 3000000), TreeEnd::kPivots);
-  EXPECT_EQ(end(TreeMode::kFast, 20000, 0, 40000), TreeEnd::kPivots);
-  EXPECT_EQ(end(TreeMode::kFast, 20000, 50000, 49999), std::nullopt);
-  EXPECT_EQ(end(TreeMode::kSmall, 200, 10, 1000000000), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 200, 10, 999999, 100), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 200, 10, 1000000, 100), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 10, 2999999, 313), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 3000000, 313), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 1199999, 312), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 1200000, 312), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 2999999, 1, 4), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kFast, 20000, 0, 40000, 313), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kFast, 20000, 50000, 49999, 0), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kSmall, 200, 10, 1000000000, 0), std::nullopt);
 }
 
 // Regions that overlap cannot be separated: they share a leaf, and the first one answers.

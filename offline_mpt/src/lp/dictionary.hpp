@@ -58,6 +58,7 @@ class Dictionary {
       coordinates_[(q + 1) * kCoordinates + q] = 1.0;
       nonbasic_[q] = -1;
     }
+    free_ = N;
   }
 
   /// For balls in {t in R^(N - 1) : a_i . t <= b_i}, whose first rows are t_j <= 1 and -t_j <= 1 in turn:
@@ -66,7 +67,7 @@ class Dictionary {
   void startInBox(const double* rows, int count) {
     static_assert(N > 1, "a ball has a radius and at least one coordinate");
     prepare(count);
-    size_ = 0;
+    size_ = free_ = 0;
     for (int j = 0; j < N; ++j) {
       nonbasic_[j] = j < 2 ? j : 2 * j - 2;
       place_[nonbasic_[j]] = -1 - j;
@@ -99,7 +100,7 @@ class Dictionary {
   /// t_j <= 1 and -t_j <= 1 in turn. Slacks may be negative.
   void startAtCorner(const double* rows, int count, const double* direction) {
     prepare(count + 2 * N);
-    size_ = 0;
+    size_ = free_ = 0;
     coordinates_.fill(0.0);
     for (int j = 0; j < N; ++j) {
       const double side = direction[j] >= 0.0 ? 1.0 : -1.0;
@@ -143,6 +144,8 @@ class Dictionary {
   /// Column of a row that is zero at the vertex.
   int column(int row) const { return -1 - place_[row]; }
   int nonbasic(int j) const { return nonbasic_[j]; }
+  /// No column is free.
+  bool isVertex() const { return free_ == 0; }
   /// Coefficient of column k (0: the constant) in t_q.
   double coordinate(int q, int k) const { return coordinates_[k * kCoordinates + q]; }
   unsigned long long pivots() const { return pivots_; }
@@ -202,6 +205,7 @@ class Dictionary {
       place_[leaving] = place;
     } else {
       vacate(place);
+      --free_;
     }
     nonbasic_[j] = entering;
     place_[entering] = -1 - j;
@@ -288,6 +292,7 @@ class Dictionary {
   }
 
   int size_ = 0;
+  int free_ = 0;
   std::size_t stride_ = 0;
   unsigned long long pivots_ = 0;
   // Column of constants, then the columns of the coefficients of each x_j.

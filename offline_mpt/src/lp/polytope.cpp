@@ -90,13 +90,15 @@ bool PolytopeSolver::chebyshevInBox(const double* rows, int count, double* centr
 
 bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,
                              MinimalRows& result) {
-  return minimalBeside(0, rows, count, interior, tolerance, result);
+  return plain_->minimal(rows, count, interior, tolerance, result) ||
+         minimalRationally(0, dimension_, rows, count, interior, tolerance, result);
 }
 
 bool PolytopeSolver::minimalBeside(int kept, const double* rows, int count, const double* interior,
-                                   double tolerance, MinimalRows& result) {
-  return plain_->minimal(kept, rows, count, interior, tolerance, result) ||
-         minimalRationally(kept, dimension_, rows, count, interior, tolerance, result);
+                                   double tolerance, MinimalRows& result, const LooseRows& loose) {
+  if (plain_->minimalBeside(kept, rows, count, interior, tolerance, result, loose)) return true;
+  result.excess = std::numeric_limits<double>::infinity();
+  return minimalRationally(kept, dimension_, rows, count, interior, tolerance, result);
 }
 
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,

@@ -11,6 +11,16 @@ struct MinimalRows {
   std::vector<int> facets;  ///< indices of the rows that bound the polytope, ascending
   /// Per facet a point (dimension numbers) that violates this row and no other facet.
   std::vector<double> beyond;
+  /// With LooseRows: where those that are needed are violated by at most one amount, those that were left out are by at
+  /// most so many, if all other rows hold. Above LooseRows::most it is no bound.
+  double excess = 1.0;
+};
+
+/// Rows that may be violated by up to `amount`.
+struct LooseRows {
+  const char* is_loose = nullptr;  ///< one per row
+  double amount = 0.0;
+  double most = 0.0;  ///< greatest MinimalRows::excess that is of interest, at least 1
 };
 
 /// The maximum of direction . t over rows in the box [-1, 1]^n, or what shows that there is none.
@@ -61,7 +71,7 @@ class PolytopeSolver {
 
   /// The same for the last rows only: the first `kept` count as needed, without a question, and are not in `result`.
   bool minimalBeside(int kept, const double* rows, int count, const double* interior, double tolerance,
-                     MinimalRows& result);
+                     MinimalRows& result, const LooseRows& loose = {});
 
   /// A point where direction . t is greatest; false when there is none. `interior` must lie inside.
   bool support(const double* rows, int count, const double* interior, const double* direction, double* point);

@@ -17,26 +17,20 @@ enum class RowState : char { kUnknown, kFacet, kRedundant };
 template <int N>
 class KernelOf final : public PolytopeSolver::Kernel {
  public:
-  bool minimal(int kept, const double* rows, int count, const double* interior, double tolerance,
+  bool minimal(const double* rows, int count, const double* interior, double tolerance,
                MinimalRows& result) override {
     if (!dictionary_.start(rows, count, interior)) return false;
-    state_.assign(count, RowState::kUnknown);
-    std::fill_n(state_.begin(), kept, RowState::kFacet);
-    beyond_.resize(static_cast<std::size_t>(count) * N);
-    tolerance_ = tolerance;
+    begin(0, count, tolerance, {});
     sweep();
-    for (int i = kept; i < count; ++i) {
-      if (state_[i] == RowState::kUnknown && !decide(i)) return false;
-    }
-    result.facets.clear();
-    result.beyond.clear();
-    for (int i = kept; i < count; ++i) {
-      if (state_[i] != RowState::kFacet) continue;
-      result.facets.push_back(i);
-      const double* point = beyond_.data() + static_cast<std::size_t>(i) * N;
-      result.beyond.insert(result.beyond.end(), point, point + N);
-    }
-    return true;
+    return decideAll(0, count, result);
+  }
+
+  // Straight towards the rows in question: some are decided before a vertex is reached.
+  bool minimalBeside(int kept, const double* rows, int count, const double* interior, double tolerance,
+                     MinimalRows& result, const LooseRows& loose) override {
+    dictionary_.startFree(rows, count, interior);
+    begin(kept, count, tolerance, loose);
+    return decideAll(kept, count, result);
   }
 
   bool maximise(const double* rows, int count, const double* start, const double* direction,
@@ -188,6 +182,31 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   static constexpr double kReach = 1.0;  // `beyond` points stay within this of the vertex
 
+  void begin(int kept, int count, double tolerance, const LooseRows& loose) {
+    state_.assign(count, RowState::kUnknown);
+    std::fill_n(state_.begin(), kept, RowState::kFacet);
+    beyond_.resize(static_cast<std::size_t>(count) * N);
+    tolerance_ = tolerance;
+    loose_ = loose;
+    excess_ = 1.0;
+  }
+
+  bool decideAll(int kept, int count, MinimalRows& result) {
+    for (int i = kept; i < count; ++i) {
+      if (state_[i] == RowState::kUnknown && !decide(i)) return false;
+    }
+    result.facets.clear();
+    result.beyond.clear();
+    result.excess = excess_;
+    for (int i = kept; i < count; ++i) {
+      if (state_[i] != RowState::kFacet) continue;
+      result.facets.push_back(i);
+      const double* point = beyond_.data() + static_cast<std::size_t>(i) * N;
+      result.beyond.insert(result.beyond.end(), point, point + N);
+    }
+    return true;
+  }
+
   // Reads off the current dictionary what it proves. A slack that grows along every column never
   // falls below its value here; a tight row whose column can go negative is needed.
   void sweep() {
@@ -229,21 +248,24 @@ class KernelOf final : public PolytopeSolver::Kernel {
         continue;
       }
       const auto row = dictionary_.slack(place);
-      const int column = dictionary_.fallingColumn(row, stalled > Dictionary<N>::kStallLimit);
+      double way = Dictionary<N>::kGrowing;
+      const int column = stalled > Dictionary<N>::kStallLimit ? dictionary_.fallingColumn(row, true)
+                                                              : dictionary_.steepestColumn(row, way);
       if (column < 0) {
         markRedundant(i);
         return true;
       }
-      const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing, place);
-      if (row[0] + row[column + 1] * step < -tolerance_) {
-        const double reach = std::min(step, (row[0] + kReach) / -row[column + 1]);
-        markFacet(i, column, reach);
+      const auto [step, blocking] = dictionary_.ratio(column, way, place);
+      const double fall = std::abs(row[column + 1]);
+      if (row[0] - fall * step < -tolerance_) {
+        const double reach = std::min(step, (row[0] + kReach) / fall);
+        markFacet(i, column, way == Dictionary<N>::kGrowing ? reach : -reach);
         return true;
       }
       if (blocking < 0) return false;
       stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
-      if (stalled == 0) sweep();
+      if (stalled == 0 && dictionary_.isVertex()) sweep();
       if (state_[i] != RowState::kUnknown) return true;
     }
     return false;
@@ -251,7 +273,25 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   void markRedundant(int i) {
     state_[i] = RowState::kRedundant;
+    if (loose_.is_loose != nullptr && loose_.is_loose[i] != 0)
+      loosen(dictionary_.slack(dictionary_.place(i)));
     dictionary_.remove(dictionary_.place(i));
+  }
+
+  // Of a loose row that is left out: what its slack loses where loose rows are violated. Where that may make it negative, all
+  // that was left out before may rest on this row.
+  void loosen(const typename Dictionary<N>::Row& slack) {
+    constexpr double kWidest = 2.0 * N;
+    double loss = 0.0;
+    for (int j = 0; j < N; ++j) {
+      const int row = dictionary_.nonbasic(j);
+      if (slack[j + 1] < 0.0 || row < 0)
+        loss += std::abs(slack[j + 1]) * kWidest;
+      else if (loose_.is_loose[row] != 0)
+        loss += slack[j + 1] * loose_.amount;
+    }
+    if (slack[0] >= loose_.most * loss) return;
+    excess_ *= std::max(1.0, loss / loose_.amount);
   }
 
   void markFacet(int i, int column, double step) {
@@ -263,6 +303,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
   std::vector<RowState> state_;
   std::vector<double> beyond_;
   double tolerance_ = 0.0;
+  LooseRows loose_;
+  double excess_ = 1.0;
 };
 
 template <int N>

@@ -11,8 +11,10 @@ namespace polyfly {
 class PolytopeSolver::Kernel {
  public:
   virtual ~Kernel() = default;
-  virtual bool minimal(int kept, const double* rows, int count, const double* interior, double tolerance,
+  virtual bool minimal(const double* rows, int count, const double* interior, double tolerance,
                        MinimalRows& result) = 0;
+  virtual bool minimalBeside(int kept, const double* rows, int count, const double* interior,
+                             double tolerance, MinimalRows& result, const LooseRows& loose) = 0;
   /// Maximises direction . t from `start`, which must satisfy every row; `point` receives the maximiser.
   virtual bool maximise(const double* rows, int count, const double* start, const double* direction,
                         double* point) = 0;

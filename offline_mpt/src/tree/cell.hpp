@@ -18,6 +18,9 @@ struct CellMember {
   /// p numbers each, inside or on the border. They show on which sides of a plane the part reaches. The first ones
   /// lie on the rows and then the walls in turn: each shows that its row is needed.
   std::vector<double> points;
+  /// Where the rows to test are violated by at most the tolerance of a look-up, the region's other rows are by at most
+  /// so many tolerances. Above kUntestedReach it is no bound.
+  double excess = 1.0;
 
   std::size_t bounds() const { return rows.size() + walls.size(); }
   /// That with index `bound` of the rows and then the walls.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <utility>
@@ -16,12 +17,34 @@ namespace {
 // Planes and members that estimates look at, evenly drawn from more.
 constexpr std::size_t kPlanesScored = 200;
 constexpr std::size_t kMembersScored = 1024;
-// Above so many members, estimates are good enough for one plane.
+// Above so many members, estimates are good enough for one plane. Of more planes than the short list holds, it has the
+// best by a few members.
 constexpr std::size_t kManyMembers = 200;
+constexpr std::size_t kRoughMembers = 48;
+constexpr std::size_t kShortList = 16;
 // Planes tried before a cell counts as one that no plane divides.
 constexpr std::size_t kMostTried = 64;
 // Members that a thread takes at once.
 constexpr std::uint64_t kChunk = 64;
+
+/// Keeps of each number that which comes first. By a table of hashes, faster than to sort.
+void dropRepeated(std::vector<std::size_t>& numbers) {
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
+  unsigned bits = 4;
+  while ((std::size_t{1} << bits) < 2 * numbers.size()) ++bits;
+  const std::size_t mask = (std::size_t{1} << bits) - 1;
+  // One more than an index of a number that is kept, 0: none.
+  std::vector<std::uint32_t> table(mask + 1, 0);
+  std::size_t kept = 0;
+  for (const std::size_t number : numbers) {
+    std::size_t place = (number * kFactor) >> (64 - bits);
+    while (table[place] != 0 && numbers[table[place] - 1] != number) place = (place + 1) & mask;
+    if (table[place] != 0) continue;
+    numbers[kept++] = number;
+    table[place] = static_cast<std::uint32_t>(kept);
+  }
+  numbers.resize(kept);
+}
 
 }  // namespace
 
@@ -45,6 +68,7 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
     : regions_(regions),
       threads_(std::max(1, options.threads)),
       planes_tried_(options.planes_tried),
+      is_thorough_(options.mode == TreeMode::kSmall),
       all_rows_(options.all_rows),
       side_tolerance_(options.side_tolerance),
       least_cell_(options.least_cell),
@@ -113,32 +137,63 @@ std::optional<CellSplit> CellSplitter::splitTogether(Cell& cell) {
 template <class ForEach>
 std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each) {
   if (cell.members.size() < 2) return std::nullopt;
-  std::vector<Estimate> estimates = estimate(cell);
+  std::vector<unsigned char> sides;
+  bool is_short = false;
+  std::optional<Estimate> best = bestOf(cell, estimate(cell, is_short), own, for_each, sides);
+  if (!best && is_short)
+    best = bestOf(cell, scored(cell, planesOf(cell), kMembersScored), own, for_each, sides);
+  if (!best) return std::nullopt;
+  return divide(cell, best->plane, sides, for_each);
+}
+
+// Splits by the first planes, by their estimates, exactly; `best_sides` receives those of the members.
+template <class ForEach>
+std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vector<Estimate> estimates,
+                                                           MemberSolver& own, const ForEach& for_each,
+                                                           std::vector<unsigned char>& best_sides) {
   std::sort(estimates.begin(), estimates.end(),
             [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
   const std::size_t all = tests(cell);
   const std::size_t all_laws = lawsOf(cell, std::vector<unsigned char>(cell.members.size(), kBelow), kBelow);
   const std::size_t tried = cell.members.size() > kManyMembers ? 1 : planes_tried_;
-  std::vector<unsigned char> sides(cell.members.size()), best_sides;
+  std::vector<unsigned char> sides(cell.members.size());
   std::optional<Estimate> best;
   for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {
     if (best && (i >= tried || !estimates[i].mayReach(*best))) break;
     if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
-    for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
-      sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
-    });
-    for (std::size_t k = 0; k < sides.size(); ++k)
-      exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
-    exact.laws = std::max(lawsOf(cell, sides, kBelow), lawsOf(cell, sides, kAbove));
+    if (best && !is_thorough_) {
+      if (!isBetter(cell, *best, own, exact, sides)) continue;
+    } else {
+      for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
+        sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
+      });
+      for (std::size_t k = 0; k < sides.size(); ++k)
+        exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
+      exact.laws = std::max(lawsOf(cell, sides, kBelow), lawsOf(cell, sides, kAbove));
+    }
     if ((exact.fuller() + 1 >= all && exact.laws >= all_laws) || (best && !exact.isBetterThan(*best)) ||
         hasFlatSide(cell, exact.plane, sides, own))
       continue;
     best = exact;
     best_sides = sides;
   }
-  if (!best) return std::nullopt;
-  return divide(cell, best->plane, best_sides, for_each);
+  return best;
+}
+
+// Whether the split by the plane of `exact` is better than the best. Ends as soon as it is not.
+bool CellSplitter::isBetter(Cell& cell, const Estimate& best, MemberSolver& solver, Estimate& exact,
+                            std::vector<unsigned char>& sides) const {
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    sides[k] = static_cast<unsigned char>(solver.seenSides(cell.members[k], exact.plane));
+    exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
+  }
+  for (std::size_t k = 0; k < sides.size() && exact.isBetterThan(best); ++k) {
+    const auto all = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
+    exact.add(all & ~unsigned{sides[k]}, testsBesides(cell.members[k], exact.plane));
+    sides[k] = all;
+  }
+  return exact.isBetterThan(best);
 }
 
 bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
@@ -171,10 +226,27 @@ bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::v
   return false;
 }
 
-std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) const {
-  const std::size_t step = (cell.members.size() + kMembersScored - 1) / kMembersScored;
+// Of many planes and members, those of the best planes by a look at few members; `is_short` tells whether planes are
+// missing.
+std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell, bool& is_short) const {
+  std::vector<std::size_t> planes = planesOf(cell);
+  is_short = !is_thorough_ && planes.size() > kShortList && cell.members.size() > kManyMembers;
+  if (is_short) {
+    std::vector<Estimate> rough = scored(cell, planes, kRoughMembers);
+    std::nth_element(rough.begin(), rough.begin() + kShortList, rough.end(),
+                     [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
+    for (std::size_t i = 0; i < kShortList; ++i) planes[i] = rough[i].plane;
+    planes.resize(kShortList);
+  }
+  return scored(cell, planes, kMembersScored);
+}
+
+// By at most so many members.
+std::vector<CellSplitter::Estimate> CellSplitter::scored(const Cell& cell,
+                                                         const std::vector<std::size_t>& planes,
+                                                         std::size_t most) const {
+  const std::size_t step = (cell.members.size() + most - 1) / most;
   const auto p = static_cast<std::size_t>(regions_.p);
-  const std::vector<std::size_t> planes = planesOf(cell, step);
   PlaneBlock block(regions_.planes, planes, p);
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     const CellMember& member = cell.members[m];
@@ -221,13 +293,15 @@ std::size_t CellSplitter::lawsOf(const Cell& cell, const std::vector<unsigned ch
 }
 
 // Planes of rows to test, each once, at most kPlanesScored.
-std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell, std::size_t step) const {
+std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell) const {
+  const std::size_t step = (cell.members.size() + kMembersScored - 1) / kMembersScored;
   std::vector<std::size_t> planes;
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     for (const std::int32_t row : cell.members[m].rows) planes.push_back(planeOf(row));
   }
+  dropRepeated(planes);
+  if (planes.size() <= kPlanesScored) return planes;
   std::sort(planes.begin(), planes.end());
-  planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
   const std::size_t stride = (planes.size() + kPlanesScored - 1) / kPlanesScored;
   std::vector<std::size_t> drawn;
   for (std::size_t i = 0; i < planes.size(); i += stride) drawn.push_back(planes[i]);

@@ -72,8 +72,15 @@ class CellSplitter {
   bool makesSharpEdge(const Cell& cell, std::size_t plane) const;
   bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    MemberSolver& solver) const;
-  std::vector<Estimate> estimate(const Cell& cell) const;
-  std::vector<std::size_t> planesOf(const Cell& cell, std::size_t step) const;
+  template <class ForEach>
+  std::optional<Estimate> bestOf(Cell& cell, std::vector<Estimate> estimates, MemberSolver& own,
+                                 const ForEach& for_each, std::vector<unsigned char>& best_sides);
+  bool isBetter(Cell& cell, const Estimate& best, MemberSolver& solver, Estimate& exact,
+                std::vector<unsigned char>& sides) const;
+  std::vector<Estimate> estimate(const Cell& cell, bool& is_short) const;
+  std::vector<Estimate> scored(const Cell& cell, const std::vector<std::size_t>& planes,
+                               std::size_t most) const;
+  std::vector<std::size_t> planesOf(const Cell& cell) const;
   std::size_t lawsOf(const Cell& cell, const std::vector<unsigned char>& sides, unsigned side) const;
   void estimateLaws(const Cell& cell, std::size_t step, const std::vector<std::size_t>& planes,
                     std::vector<Estimate>& estimates) const;
@@ -84,6 +91,8 @@ class CellSplitter {
   const TreeRegions& regions_;
   int threads_;
   std::size_t planes_tried_;
+  // kSmall: estimates by all members, and all points that exact splits find.
+  bool is_thorough_;
   bool all_rows_;
   double side_tolerance_;
   double least_cell_;

@@ -10,12 +10,17 @@ namespace {
 constexpr std::uint64_t kSmallNodes = 64;
 constexpr std::uint64_t kOtherNodes = 2;
 constexpr std::uint64_t kLeastNodes = 4096;
-// Pivots, and at least so many, which take some 20 ms and 1 s. The leaves take about half as many again once the tree
+// Pivots, and at least so many, which take some 20 ms and 0.4 s. The leaves take about half as many again once the tree
 // has grown. kFast: per pivot of the exploration. kAuto: per half-space of the regions.
 constexpr double kFastPivots = 1.0;
 constexpr std::uint64_t kLeastFastPivots = 40000;
 constexpr std::uint64_t kAutoPivots = 150;
-constexpr std::uint64_t kLeastAutoPivots = 2100000;
+constexpr std::uint64_t kLeastAutoPivots = 1000000;
+// kAuto: this share of the pivots is enough once the worst look-up evaluates at most one half-space of so many.
+constexpr double kEnough = 0.4;
+constexpr std::uint64_t kShort = 64;
+// Not for so few parameters: there planes separate regions well, and further nodes gain much.
+constexpr int kFewParameters = 4;
 // kAuto: bytes of the tree per byte of the regions, and in any case.
 constexpr std::uint64_t kAutoBytes = 3;
 constexpr std::uint64_t kFreeBytes = 65536;
@@ -91,6 +96,8 @@ GrowthLimit::GrowthLimit(const TreeRegions& regions, const TreeOptions& options)
   if (most_.nodes == 0) most_.nodes = std::max(kLeastNodes, per_region * regions.rows.size());
   if (mode_ == TreeMode::kNone) most_.nodes = 0;
   most_.pivots = mostPivots(regions, options);
+  enough_ = static_cast<std::uint64_t>(kEnough * static_cast<double>(most_.pivots));
+  short_ = regions.p > kFewParameters ? rowsOf(regions) / kShort : 0;
   most_.bytes = kFreeBytes + kAutoBytes * bytesOf(regions);
   checked_nodes_ = std::max<std::uint64_t>(kLeastNodes, regions.rows.size() / 4);
 }
@@ -102,6 +109,7 @@ GrowthLimit GrowthLimit::part(const Growth& now, double share, std::uint64_t mem
   GrowthLimit limit = *this;
   limit.most_.nodes = shared(most_.nodes, now.nodes);
   limit.most_.pivots = shared(most_.pivots, now.pivots);
+  limit.enough_ = shared(enough_, now.pivots);
   limit.most_.bytes = shared(most_.bytes, now.bytes);
   limit.memory_ = memory_limit;
   limit.checked_nodes_ = std::numeric_limits<std::uint64_t>::max();
@@ -112,6 +120,7 @@ std::optional<TreeEnd> GrowthLimit::reached(const Growth& now) {
   if (now.nodes >= most_.nodes) return TreeEnd::kNodes;
   if (now.memory >= memory_) return TreeEnd::kMemory;
   if (now.pivots >= most_.pivots) return TreeEnd::kPivots;
+  if (mode_ == TreeMode::kAuto && now.pivots >= enough_ && now.worst <= short_) return TreeEnd::kPivots;
   if (mode_ == TreeMode::kAuto && now.bytes >= most_.bytes) return TreeEnd::kBytes;
   if (mode_ == TreeMode::kAuto && gainsLittle(now)) return TreeEnd::kLittleGain;
   return std::nullopt;

@@ -34,6 +34,9 @@ class GrowthLimit {
 
   TreeMode mode_;
   Growth most_;
+  // kAuto: pivots that are enough once the worst look-up has at most short_ half-spaces.
+  std::uint64_t enough_ = 0;
+  std::uint64_t short_ = 0;
   std::uint64_t memory_;
   std::uint64_t checked_nodes_ = 0;  // when the gain is looked at next
   std::uint64_t checked_worst_ = 0;

@@ -138,8 +138,10 @@ void MemberSolver::gatherRow(std::int32_t row, double moved) {
 }
 
 // Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
-// tolerance. If no row is, one look at all of them shows it.
+// tolerance. Mostly the splits on the way have shown that no row is, see CellMember::excess. Otherwise one look at all of
+// them may show it.
 void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
+  if (member.excess <= tolerance::kUntestedReach) return;
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
   for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : tolerance::kMissedPlane);
@@ -267,15 +269,14 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
   const std::size_t p = parameters();
   const std::size_t bounds = member.bounds();
   const auto row = static_cast<std::int32_t>(plane) + 1;
-  CellMember part;
+  CellMember& part = part_;
   part.region = member.region;
+  part.excess = member.excess;
   part.rows = member.rows;
-  part.walls.reserve(member.walls.size() + 1);
   part.walls = member.walls;
   part.walls.push_back(side == kBelow ? row : -row);
   part.inner = member.inner;
   moveInner(part, plane, sign(side), member.points);
-  part.points.reserve((bounds + 1 + kOtherPoints) * p);
   part.points.assign(member.points.begin(), member.points.begin() + static_cast<std::ptrdiff_t>(bounds * p));
   part.points.insert(part.points.end(), part.inner.begin(), part.inner.end());  // on the new wall, see below
   // Undecided members may have no known point here. Without one inside, all rows stay.
@@ -293,8 +294,6 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
     }
   }
   settle(part);
-  // Cells are many: no memory is left over.
-  part.points.shrink_to_fit();
   return part;
 }
 
@@ -381,11 +380,14 @@ void MemberSolver::decide(CellMember& member) {
     }
   }
   ordered_.resize(rows_.size());
+  is_loose_.clear();
+  for (const std::size_t k : order_) is_loose_.push_back(k < member.rows.size() ? 1 : 0);
   for (std::size_t k = 0; k < order_.size(); ++k)
     std::copy_n(rows_.data() + order_[k] * (p + 1), p + 1, ordered_.data() + k * (p + 1));
   const auto kept = static_cast<int>(std::count(is_settled_.begin(), is_settled_.end(), 1));
   if (!solver_.minimalBeside(kept, ordered_.data(), static_cast<int>(order_.size()), member.inner.data(),
-                             tolerance::kImpliedRow, minimal_)) {
+                             tolerance::kImpliedRow, minimal_,
+                             {is_loose_.data(), format::kMaxTolerance, tolerance::kUntestedReach})) {
     // All stay.
     for (std::size_t k = 0; k < is_settled_.size(); ++k) {
       if (is_settled_[k] == 0)
@@ -394,6 +396,7 @@ void MemberSolver::decide(CellMember& member) {
     }
     return;
   }
+  member.excess *= minimal_.excess;
   for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
     const std::size_t bound = order_[static_cast<std::size_t>(minimal_.facets[f])];
     const double* const beyond = minimal_.beyond.data() + f * p;
@@ -409,17 +412,20 @@ void MemberSolver::decide(CellMember& member) {
 // Drops what is not settled.
 void MemberSolver::drop(CellMember& member) const {
   const std::size_t p = parameters(), bounds = member.bounds();
-  std::vector<std::int32_t> rows, walls;
-  std::size_t kept = 0;
+  const std::size_t rows = member.rows.size();
+  std::size_t kept = 0, kept_rows = 0, kept_walls = 0;
   for (std::size_t k = 0; k < member.points.size() / p; ++k) {
     if (k < bounds && is_settled_[k] == 0) continue;
-    if (k < bounds) (k < member.rows.size() ? rows : walls).push_back(member.bound(k));
+    if (k < rows)
+      member.rows[kept_rows++] = member.rows[k];
+    else if (k < bounds)
+      member.walls[kept_walls++] = member.walls[k - rows];
     std::copy_n(member.points.begin() + static_cast<std::ptrdiff_t>(k * p), p,
                 member.points.begin() + static_cast<std::ptrdiff_t>(kept++ * p));
   }
+  member.rows.resize(kept_rows);
+  member.walls.resize(kept_walls);
   member.points.resize(kept * p);
-  member.rows = std::move(rows);
-  member.walls = std::move(walls);
 }
 
 // Moves the inner point, if it lies on the other side, to half-way between the plane and the point furthest out on

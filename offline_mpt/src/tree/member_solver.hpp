@@ -85,6 +85,9 @@ class MemberSolver {
   std::vector<std::size_t> order_;
   std::vector<std::int32_t> questioned_;
   std::vector<double> ordered_;  // rows in that order
+  std::vector<char> is_loose_;
+  // A half in the making: what is kept of it is a copy, without memory left over.
+  CellMember part_;
   std::vector<double> direction_, point_;
 };
 
