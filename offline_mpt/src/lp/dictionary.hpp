@@ -96,35 +96,6 @@ class Dictionary {
     coordinates_[N - 1] = 1.0;
   }
 
-  /// Stands at the corner of the box [-1, 1]^N that is furthest along `direction`. Those of the box follow the rows,
-  /// t_j <= 1 and -t_j <= 1 in turn. Slacks may be negative.
-  void startAtCorner(const double* rows, int count, const double* direction) {
-    prepare(count + 2 * N);
-    size_ = free_ = 0;
-    coordinates_.fill(0.0);
-    for (int j = 0; j < N; ++j) {
-      const double side = direction[j] >= 0.0 ? 1.0 : -1.0;
-      coordinates_[j] = side;
-      coordinates_[(j + 1) * kCoordinates + j] = -side;
-      nonbasic_[j] = count + 2 * j + (side > 0.0 ? 0 : 1);
-      place_[nonbasic_[j]] = -1 - j;
-    }
-    for (int i = 0; i < count; ++i) {
-      const double* row = rows + static_cast<std::ptrdiff_t>(i) * (N + 1);
-      at(size_, 0) = row[N];
-      for (int j = 0; j < N; ++j) {
-        at(size_, 0) -= row[j] * coordinates_[j];
-        at(size_, j + 1) = row[j] * coordinates_[j];
-      }
-      append(i);
-    }
-    for (int j = 0; j < N; ++j) {  // the sides opposite to those that meet here
-      at(size_, 0) = 2.0;
-      at(size_, j + 1) = -1.0;
-      append(2 * count + 4 * j + 1 - nonbasic_[j]);
-    }
-  }
-
   /// Of the rows that are not zero here, the place of that which falls short most; -1: none does by more than
   /// `tolerance`.
   int worstPlace(double tolerance) const {

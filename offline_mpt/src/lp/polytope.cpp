@@ -113,14 +113,6 @@ bool PolytopeSolver::furthest(const double* rows, int count, const double* inter
          maximiseRationally(dimension_, rows, count, interior, direction, point);
 }
 
-BoxOptimum::Status PolytopeSolver::maximiseInBox(const double* rows, int count, const double* direction,
-                                                 BoxOptimum& optimum) {
-  const BoxOptimum::Status status = plain_->maximiseInBox(rows, count, direction, optimum);
-  const bool finite =
-      std::all_of(optimum.t.begin(), optimum.t.end(), [](double value) { return std::isfinite(value); });
-  return finite ? status : BoxOptimum::Status::kFailed;
-}
-
 unsigned long long PolytopeSolver::pivots() const { return plain_->pivots() + lifted_->pivots(); }
 
 }  // namespace polyfly

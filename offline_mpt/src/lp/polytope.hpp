@@ -23,19 +23,6 @@ struct LooseRows {
   double most = 0.0;  ///< greatest MinimalRows::excess that is of interest, at least 1
 };
 
-/// The maximum of direction . t over rows in the box [-1, 1]^n, or what shows that there is none.
-struct BoxOptimum {
-  enum class Status { kOptimal, kInfeasible, kFailed };
-  std::vector<double> t;
-  /// Rows that are tight at t, as many as dimensions. The sides of the box follow the rows: t_j <= 1 is `count` + 2 j,
-  /// -t_j <= 1 the next.
-  std::vector<int> basis;
-  /// Rows with weights > 0, whose combination is `direction`. Among rows that nearly repeat each other these may lose
-  /// most of their digits; the maximum does not. Where the rows exclude each other, the combination of these is
-  /// 0 . t <= negative.
-  std::vector<std::pair<int, double>> weights;
-};
-
 /// Linear programming over small dense polytopes {t : a_i . t <= b_i}, in 1 to kMaxDimension dimensions.
 ///
 /// A row is dimension + 1 numbers (a, b) with |a| = 1. The polytope must be bounded. Work space is kept
@@ -79,11 +66,6 @@ class PolytopeSolver {
   /// As `support`, with fewer pivots: the first ones already climb. `point` may be another of several maximisers.
   bool furthest(const double* rows, int count, const double* interior, const double* direction,
                 double* point);
-
-  /// max direction . t over the rows and the box [-1, 1]^n. No point inside need be known, and there may be none. In
-  /// doubles alone: what the answer says is to be proven, or is a guess. kFailed: too many pivots, or no finite t.
-  BoxOptimum::Status maximiseInBox(const double* rows, int count, const double* direction,
-                                   BoxOptimum& optimum);
 
   /// Pivots since construction.
   unsigned long long pivots() const;

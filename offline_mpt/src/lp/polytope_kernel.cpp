@@ -44,36 +44,6 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return climbFromHere(direction, point);
   }
 
-  // The dual simplex, from the corner of the box.
-  BoxOptimum::Status maximiseInBox(const double* rows, int count, const double* direction,
-                                   BoxOptimum& optimum) override {
-    dictionary_.startAtCorner(rows, count, direction);
-    optimum.weights.clear();
-    const int limit = 50 + 10 * (count + N);
-    auto status = BoxOptimum::Status::kFailed;
-    for (int round = 0; round < limit; ++round) {
-      const auto objective = objectiveOf(direction);
-      const int place = dictionary_.worstPlace(tolerance::kEnteringViolation);
-      if (place < 0) {
-        for (int j = 0; j < N; ++j) addWeight(dictionary_.nonbasic(j), objective[j + 1], optimum);
-        status = BoxOptimum::Status::kOptimal;
-        break;
-      }
-      const auto row = dictionary_.slack(place);
-      const int column =
-          enteringColumn(row, tolerance::kLeavingWeight, [&](int j) { return objective[j + 1]; });
-      if (column < 0) {
-        addWeight(dictionary_.rowAt(place), 1.0, optimum);
-        for (int j = 0; j < N; ++j) addWeight(dictionary_.nonbasic(j), -row[j + 1], optimum);
-        status = BoxOptimum::Status::kInfeasible;
-        break;
-      }
-      dictionary_.pivot(place, column);
-    }
-    readVertex(optimum);
-    return status;
-  }
-
   // A ball has a radius and at least one coordinate.
   Ball ballInBox(const double* rows, int count, double* ball) override {
     if constexpr (N > 1) {
@@ -118,17 +88,6 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return false;
   }
 
-  static void addWeight(int row, double weight, BoxOptimum& optimum) {
-    if (weight > 0.0) optimum.weights.emplace_back(row, weight);
-  }
-
-  void readVertex(BoxOptimum& optimum) const {
-    optimum.t.resize(N);
-    dictionary_.point(0, 0.0, optimum.t.data());
-    optimum.basis.clear();
-    for (int j = 0; j < N; ++j) optimum.basis.push_back(dictionary_.nonbasic(j));
-  }
-
   // The dual simplex: what the rows looked at so far allow bounds the radius from above.
   Ball largestBall(const double* rows, int count, double* ball) {
     dictionary_.startInBox(rows, count);
@@ -138,8 +97,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
         dictionary_.point(0, 0.0, ball);
         return Ball::kFound;
       }
-      const int column = enteringColumn(dictionary_.slack(place), tolerance::kPivot,
-                                        [&](int j) { return -dictionary_.coordinate(N - 1, j + 1); });
+      const int column = enteringColumn(dictionary_.slack(place));
       if (column < 0) return Ball::kFailed;
       dictionary_.pivot(place, column);
       if (dictionary_.coordinate(N - 1, 0) >= -2.0 * tolerance::kHopelessRadius) continue;
@@ -149,14 +107,13 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return Ball::kFailed;
   }
 
-  // Along which the row grows while the objective falls least; `fall` tells how much it falls along a column.
-  template <typename Fall>
-  static int enteringColumn(const typename Dictionary<N>::Row& row, double threshold, const Fall& fall) {
+  // Along which the row grows while the radius, the last coordinate, falls least.
+  int enteringColumn(const typename Dictionary<N>::Row& row) const {
     int best = -1;
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j < N; ++j) {
-      if (row[j + 1] <= threshold) continue;
-      const double price = std::max(fall(j), 0.0) / row[j + 1];
+      if (row[j + 1] <= tolerance::kPivot) continue;
+      const double price = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0) / row[j + 1];
       if (price > least || (price == least && best >= 0 && row[j + 1] <= row[best + 1])) continue;
       least = price;
       best = j;

@@ -25,8 +25,6 @@ class PolytopeSolver::Kernel {
   /// largest ball, `hopeless` where its radius is below -kHopelessRadius for certain.
   enum class Ball { kFound, kHopeless, kFailed };
   virtual Ball ballInBox(const double* rows, int count, double* ball) = 0;
-  virtual BoxOptimum::Status maximiseInBox(const double* rows, int count, const double* direction,
-                                           BoxOptimum& optimum) = 0;
   virtual unsigned long long pivots() const = 0;
 };
 

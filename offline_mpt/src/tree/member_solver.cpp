@@ -23,7 +23,7 @@ MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bo
       is_careful_(is_careful),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       solver_(regions.p),
-      from_corner_(regions.p),
+      by_factors_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),
       point_(static_cast<std::size_t>(regions.p)) {}
 
@@ -246,22 +246,21 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
   }
   const double reach = side * kernels_.distance(normal, point_.data(), p);
   if (reach <= tolerance_ &&
-      (!is_careful_ || reach < -tolerance::kDoubtfulReach || !reachesAnew(plane, side)))
+      (!is_careful_ || reach < -tolerance::kDoubtfulReach || !reachesByFactors(plane, side)))
     return false;
   member.points.insert(member.points.end(), point_.begin(), point_.end());
   return true;
 }
 
-// The same by FloatLp, which starts anew from a corner of the box: a dictionary that has pivoted on near rows may have
-// lost the digits.
-bool MemberSolver::reachesAnew(std::size_t plane, double side) {
+// The same by FloatLp, which factorises the rows themselves: a dictionary may have lost the digits.
+bool MemberSolver::reachesByFactors(std::size_t plane, double side) {
   const auto width = static_cast<std::ptrdiff_t>(parameters() + 1);
-  from_corner_.clear();
+  by_factors_.clear();
   for (auto row = rows_.begin(); row != rows_.end(); row += width)
-    from_corner_.add(std::vector<double>(row, row + width));
-  if (from_corner_.maximise(direction_) != FloatLp::Status::kOptimal) return false;
-  if (from_corner_.objective() - side * this->plane(plane)[width - 1] <= tolerance_) return false;
-  point_ = from_corner_.x();
+    by_factors_.add(std::vector<double>(row, row + width));
+  if (by_factors_.maximise(direction_) != FloatLp::Status::kOptimal) return false;
+  if (by_factors_.objective() - side * this->plane(plane)[width - 1] <= tolerance_) return false;
+  point_ = by_factors_.x();
   return true;
 }
 

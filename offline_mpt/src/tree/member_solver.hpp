@@ -62,7 +62,7 @@ class MemberSolver {
   void gatherRows(const CellMember& member);
   void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
-  bool reachesAnew(std::size_t plane, double side);
+  bool reachesByFactors(std::size_t plane, double side);
   void settle(CellMember& member);
   bool castRay(CellMember& member, std::size_t bound) const;
   void decide(CellMember& member);
@@ -76,7 +76,7 @@ class MemberSolver {
   bool is_careful_;
   PlaneSides kernels_;
   PolytopeSolver solver_;
-  FloatLp from_corner_;
+  FloatLp by_factors_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
   std::vector<double> slacks_;

@@ -258,10 +258,9 @@ BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) 
   return status == BuildStatus::kRegion ? BuildStatus::kLowerDimensional : status;
 }
 
-// Of slacks that nearly repeat each other, `minimal` may lose all digits by which they differ: it asks about all rows on
-// one dictionary, which pivots on such differences. FloatLp starts anew for each row, from a corner of the box. Each row
-// is left out in turn if the others imply it: first those that they imply but for rounding, since behind them there is
-// nothing, and then the others.
+// Of slacks that nearly repeat each other, a dictionary may lose all digits by which they differ, since it pivots on
+// such differences. FloatLp factorises the rows themselves at each step. Each row is left out in turn if the others
+// imply it: first those that they imply but for rounding, since behind them there is nothing, and then the others.
 BuildStatus RegionBuilder::decideNearRows(double tolerance) {
   const auto is_near = [&](int row) {
     const RowOrigin& origin = origins_[static_cast<std::size_t>(row)];
