@@ -146,6 +146,7 @@ class Encoder {
     result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
     for (const LawCell& cell : result.cells) {
       regions.rows.push_back(cell.piece.rows);
+      regions.centres.insert(regions.centres.end(), cell.piece.centre.begin(), cell.piece.centre.end());
       laws.laws.push_back(cell.law);
     }
     laws.first_fallback = laws.laws.size();

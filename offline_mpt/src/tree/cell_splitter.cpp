@@ -162,7 +162,7 @@ std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vect
     if (best && (i >= tried || !estimates[i].mayReach(*best))) break;
     if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
-    if (best && !is_thorough_) {
+    if (best && !is_thorough_ && regions_.laws.empty()) {
       if (!isBetter(cell, *best, own, exact, sides)) continue;
     } else {
       for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {

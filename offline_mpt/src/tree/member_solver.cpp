@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
+#include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
 #include "tree/tolerances.hpp"
 
@@ -25,7 +27,12 @@ MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bo
       solver_(regions.p),
       by_factors_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),
-      point_(static_cast<std::size_t>(regions.p)) {}
+      point_(static_cast<std::size_t>(regions.p)) {
+  if (regions.centres.size() != regions.rows.size() * static_cast<std::size_t>(regions.p))
+    throw Error("search tree: " + std::to_string(regions.rows.size()) + " regions have " +
+                std::to_string(regions.centres.size()) + " coordinates of centres, of " +
+                std::to_string(regions.p) + " parameters each");
+}
 
 CellMember MemberSolver::whole(std::uint32_t region) {
   const std::size_t p = parameters();

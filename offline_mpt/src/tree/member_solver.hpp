@@ -15,7 +15,8 @@ namespace polyfly {
 class MemberSolver {
  public:
   /// `side_tolerance` as in TreeOptions. `is_careful`: sides that a part just does not reach are decided once more, to the
-  /// last digits, where planes nearly repeat each other. `regions` must outlive the object.
+  /// last digits, where planes nearly repeat each other. `regions` must outlive the object. Throws
+  /// Error where a region has no centre.
   MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful = false);
 
   /// The whole region, within the box.

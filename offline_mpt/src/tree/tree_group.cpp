@@ -21,6 +21,7 @@ void TreeGroup::begin(const TreeRegions& regions, const TreeOptions& options) {
   out.put(options.all_rows);
   out.put(options.side_tolerance);
   out.put(options.least_cell);
+  out.put(options.least_angle);
   exchange_.begin(task);
 }
 
@@ -42,6 +43,7 @@ TreeTask readTask(const std::vector<std::byte>& bytes) {
   task.options.all_rows = in.get<bool>();
   task.options.side_tolerance = in.get<double>();
   task.options.least_cell = in.get<double>();
+  task.options.least_angle = in.get<double>();
   return task;
 }
 
