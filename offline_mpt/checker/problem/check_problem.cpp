@@ -64,8 +64,8 @@ void confirmFilter(const checker::Certificate& certificate, const checker::Map& 
       "safe set, %zu rows: it is within the ranges, each of its states has an admissible input, and each "
       "such "
       "input leads into it, for all disturbances and errors\n"
-      "answers in the safe set: none needs more than the margin, and an admissible wish comes back "
-      "unchanged\n",
+      "answers in the safe set to wishes in their range: none needs more than the margin, and where no row "
+      "is active the wish comes back unchanged\n",
       problem.H.rows);
 }
 

@@ -10,6 +10,8 @@ namespace {
 constexpr double kInputError = 1e-6;
 constexpr double kMargin = 1e-4;
 
+constexpr std::size_t kMostStates = 6, kMostInputs = 3, kMostRows = 400;
+
 double orElse(const YAML::Node& node, double absent) { return node ? numberOf(node) : absent; }
 
 FilterProblem::Range filterRange(const YAML::Node& node) {
@@ -42,13 +44,17 @@ void readFilterSignals(const YAML::Node& model, FilterProblem& problem) {
     requireKeys(disturbance, {"name", "unit", "range"});
     problem.disturbances.push_back(filterRange(disturbance["range"]));
   }
-  require(!problem.states.empty() && !problem.inputs.empty(), "problem: there are no states or inputs");
+  require(!problem.states.empty() && problem.states.size() <= kMostStates,
+          "problem: 1 to 6 states are allowed");
+  require(!problem.inputs.empty() && problem.inputs.size() <= kMostInputs,
+          "problem: 1 to 3 inputs are allowed");
 }
 
 void readSafeSet(const YAML::Node& set, FilterProblem& problem) {
   require(set && set.IsMap(), "problem: safe_set is missing");
   requireKeys(set, {"H", "k", "G", "b", "M"});
   const std::size_t rows = set["H"].size();
+  require(rows <= kMostRows, "problem: safe_set has too many rows");
   problem.H = matrixOf(set["H"], rows, problem.size());
   problem.k = columnOf(set["k"], rows);
   problem.G = matrixOf(set["G"], rows, problem.inputCount());

@@ -106,7 +106,7 @@ class RobustReader {
                         "tie_break", "floor", "invariance", "peak_in_map", "parameters"});
     require(root_["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
     require(root_["type"].as<std::string>() == "robust_mpc", "problem: is of no type robust_mpc");
-    problem_.sampling_time = Fraction(root_["sampling_time"].as<double>());
+    problem_.sampling_time = Fraction(numberOf(root_["sampling_time"]));
     problem_.horizon = root_["horizon"].as<std::size_t>();
     require(problem_.sampling_time > 0 && problem_.horizon >= 2 && problem_.horizon <= kMostStages,
             "problem: sampling_time or horizon is out of range");
@@ -127,9 +127,13 @@ class RobustReader {
       states_.push_back(state["name"].as<std::string>());
     }
     require(!states_.empty() && model["inputs"].size() == 1, "problem: one input is needed, and a state");
+    requireKeys(model["inputs"][0], {"name", "unit", "range"});
     problem_.input_range = exactRange(model["inputs"][0]["range"]);
-    for (const auto& disturbance : model["disturbances"])
+    for (const auto& disturbance : model["disturbances"]) {
+      requireKeys(disturbance, {"name", "unit", "range"});
       problem_.disturbances.push_back(exactRange(disturbance["range"]));
+    }
+    require(!model["delay"] || numberOf(model["delay"]) >= 0.0, "problem: delay is negative");
   }
 
   void readModel(const YAML::Node& model) {
@@ -192,7 +196,9 @@ class RobustReader {
       if (choiceOf(parameter["role"], {"error", "reference"}) == 0) {
         const auto state = std::find(states_.begin(), states_.end(), parameter["of"].as<std::string>());
         require(state != states_.end(), "problem: a parameter names no state");
-        problem_.errors[static_cast<std::size_t>(state - states_.begin())] = j;
+        std::size_t& error = problem_.errors[static_cast<std::size_t>(state - states_.begin())];
+        require(error == p, "problem: two parameters are the error of one state");
+        error = j;
         continue;
       }
       require(parameter["state"].size() == nx && parameter["input"].size() == 1,

@@ -212,6 +212,10 @@ TEST(RobustRows, AnotherProblemIsRefused) {
       {"range: [-0.8, 0.8]", "range: [-0.8, 0.7]"},
       {"floor: 0\n", "floor: 0\nunknown: 1\n"},
       {"type: robust_mpc", "type: tracking_mpc"},
+      {"sampling_time: 0.08", "sampling_time: .inf"},
+      {"sampling_time: 0.08", "sampling_time: .nan"},
+      {"{name: u, unit: rad, ", "{name: u, unit: rad, rate: [-1, 1], "},
+      {"role: error, of: v", "role: error, of: p"},
   };
   for (const auto& [from, to] : changes)
     EXPECT_NE(refusalOf(referenceProof(), replaced(text, from, to)), "") << to;
