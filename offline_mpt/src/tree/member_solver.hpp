@@ -14,8 +14,8 @@ namespace polyfly {
 /// Answers questions about one part of a region at a time, by linear programming. One object serves one thread.
 class MemberSolver {
  public:
-  /// `side_tolerance` as in TreeOptions. `is_careful`: sides that a part just does not reach are decided once more, to the
-  /// last digits, where planes nearly repeat each other. `regions` must outlive the object. Throws
+  /// `side_tolerance` as in TreeOptions. `is_careful`: planes may nearly repeat each other. Sides that a part just does not
+  /// reach are decided once more, to the last digits, and each leaf's rows too. `regions` must outlive the object. Throws
   /// Error where a region has no centre.
   MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful = false);
 
