@@ -103,6 +103,9 @@ struct TreeOptions {
 /// With a group it throws LostProcess, or Error where another process fails.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});
 
+/// Makes it the search tree of the map: all but its notes.
+void moveTree(SearchTree tree, MapContent& content);
+
 /// Builds search trees with process 0, on so many threads, until that ends the group.
 void runTreeProcess(ProcessGroup& group, int threads);
 

@@ -4,76 +4,33 @@
 #include <optional>
 #include <utility>
 
+#include "reduce/rewrite_tree.hpp"
+#include "reduce/tolerances.hpp"
+
 namespace polyfly {
 namespace {
 
-class LawJoiner {
+/// A leaf, or what becomes one. Without a law it is the tree's leaf `number`.
+struct LawLeaf {
+  std::optional<std::uint32_t> law;
+  std::uint32_t number = 0;
+  RowList path;
+  /// The region that holds all of it, where it is known.
+  std::optional<std::uint32_t> holder;
+};
+
+class LawJoiner final : public TreeRewriter<LawLeaf> {
  public:
   LawJoiner(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws, const RowList& box,
             double slack, const SearchTree& tree)
-      : geometry_(geometry), regions_(regions), laws_(laws), box_(box), slack_(slack), tree_(tree) {}
+      : TreeRewriter(tree), geometry_(geometry), regions_(regions), laws_(laws), box_(box), slack_(slack) {}
 
-  SearchTree run(std::vector<LawCell>& cells) {
-    result_.root = descend(tree_.root, 0);
-    writeLeaf(result_.root);
-    for (MapContent::Node& node : result_.nodes) {
-      writeLeaf(node.below);
-      writeLeaf(node.above);
-    }
-    cells = std::move(cells_);
-    return std::move(result_);
-  }
+  std::vector<LawCell> takeCells() { return std::move(cells_); }
 
  private:
-  /// A leaf, or what becomes one. Without a law it is the tree's leaf `number`.
-  struct Part {
-    std::optional<std::uint32_t> law;
-    std::uint32_t number = 0;
-    RowList path;
-    /// The region that holds all of it, where it is known.
-    std::optional<std::uint32_t> holder;
-  };
-
-  static bool isLeaf(std::uint32_t child) { return (child & MapContent::kLeaf) != 0; }
-
-  std::uint32_t descend(std::uint32_t child, std::uint32_t depth) {
-    if (isLeaf(child)) return addPart(leafAt(child & ~MapContent::kLeaf), depth);
-    const MapContent::Node& node = tree_.nodes[child];
-    const std::size_t index = result_.nodes.size(), part = parts_.size();
-    const std::uint32_t deepest = std::exchange(result_.depth, 0);
-    result_.nodes.push_back({node.plane, 0, 0});
-    path_.push_back(static_cast<std::int32_t>(node.plane) + 1);
-    const std::uint32_t below = descend(node.below, depth + 1);
-    path_.back() = -path_.back();
-    const std::uint32_t above = descend(node.above, depth + 1);
-    path_.pop_back();
-    if (isLeaf(below) && isLeaf(above)) {
-      Part joined = parts_[part];
-      const Part& other = parts_[part + 1];
-      if (joined.law && joined.law == other.law) {
-        joined.path = path_;
-        if (joined.holder != other.holder) joined.holder.reset();
-        parts_.resize(part);
-        result_.nodes.pop_back();
-        result_.depth = deepest;
-        return addPart(std::move(joined), depth);
-      }
-    }
-    result_.depth = std::max(deepest, result_.depth);
-    result_.nodes[index].below = below;
-    result_.nodes[index].above = above;
-    return static_cast<std::uint32_t>(index);
-  }
-
-  std::uint32_t addPart(Part part, std::uint32_t depth) {
-    result_.depth = std::max(result_.depth, depth);
-    parts_.push_back(std::move(part));
-    return static_cast<std::uint32_t>(parts_.size() - 1) | MapContent::kLeaf;
-  }
-
-  Part leafAt(std::uint32_t number) {
+  LawLeaf leafAt(std::uint32_t number) override {
     const MapContent::Leaf& leaf = tree_.leaves[number];
-    Part part{std::nullopt, number, path_, std::nullopt};
+    LawLeaf part{std::nullopt, number, path_, std::nullopt};
     if (leaf.count == 0) return part;
     const auto first = tree_.candidates.begin() + leaf.first;
     const std::uint32_t law = laws_.laws[*first];
@@ -94,17 +51,22 @@ class LawJoiner {
     return part;
   }
 
-  /// Writes the leaf that a child is, if it is one.
-  void writeLeaf(std::uint32_t& child) {
-    if (!isLeaf(child)) return;
-    const Part& part = parts_[child & ~MapContent::kLeaf];
-    child = static_cast<std::uint32_t>(result_.leaves.size()) | MapContent::kLeaf;
+  std::optional<LawLeaf> join(const LawLeaf& below, const LawLeaf& above) override {
+    if (!below.law || below.law != above.law) return std::nullopt;
+    LawLeaf joined = below;
+    joined.path = path_;
+    if (below.holder != above.holder) joined.holder.reset();
+    return joined;
+  }
+
+  std::uint32_t numberOf(const LawLeaf& part) override {
+    const auto number = static_cast<std::uint32_t>(result_.leaves.size());
     const auto next = static_cast<std::uint32_t>(result_.candidates.size());
     if (part.law) {
       result_.leaves.push_back({next, 1});
       result_.candidates.push_back(holderOf(part));
       result_.tests.push_back(0);
-      return;
+      return number;
     }
     const MapContent::Leaf& leaf = tree_.leaves[part.number];
     result_.leaves.push_back({next, leaf.count});
@@ -113,10 +75,11 @@ class LawJoiner {
     result_.candidates.insert(result_.candidates.end(), tree_.candidates.begin() + first,
                               tree_.candidates.begin() + last);
     result_.tests.insert(result_.tests.end(), tree_.tests.begin() + first, tree_.tests.begin() + last);
+    return number;
   }
 
   /// A region with the law that holds the cell: one of the regions, or else the cell.
-  std::uint32_t holderOf(const Part& part) {
+  std::uint32_t holderOf(const LawLeaf& part) {
     if (part.holder) return *part.holder;
     ConvexCell cell;
     cell.rows = part.path;
@@ -139,11 +102,6 @@ class LawJoiner {
   const PruneRegions& laws_;
   const RowList& box_;
   double slack_;
-  const SearchTree& tree_;
-  SearchTree result_;
-  RowList path_;
-  // Leaves in the order of descents.
-  std::vector<Part> parts_;
   std::vector<LawCell> cells_;
 };
 
@@ -151,7 +109,10 @@ class LawJoiner {
 
 SearchTree joinByLaw(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws,
                      const RowList& box, double slack, const SearchTree& tree, std::vector<LawCell>& cells) {
-  return LawJoiner(geometry, regions, laws, box, slack, tree).run(cells);
+  LawJoiner joiner(geometry, regions, laws, box, slack, tree);
+  SearchTree joined = joiner.run();
+  cells = joiner.takeCells();
+  return joined;
 }
 
 }  // namespace polyfly

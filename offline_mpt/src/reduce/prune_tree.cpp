@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "reduce/rewrite_tree.hpp"
 #include "tree/member_solver.hpp"
 
 namespace polyfly {
@@ -21,77 +22,34 @@ struct PrunedLeaf {
   }
 };
 
-class Pruner {
+class Pruner final : public TreeRewriter<PrunedLeaf> {
  public:
   Pruner(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws, double slack,
          double side_tolerance, const SearchTree& tree)
-      : geometry_(geometry),
+      : TreeRewriter(tree),
+        geometry_(geometry),
         regions_(regions),
         laws_(laws),
         slack_(slack),
-        solver_(regions, side_tolerance),
-        tree_(tree) {}
-
-  SearchTree run() {
-    result_.root = descend(tree_.root, 0);
-    writeLeaf(result_.root);
-    for (MapContent::Node& node : result_.nodes) {
-      writeLeaf(node.below);
-      writeLeaf(node.above);
-    }
-    if (tree_.tests.empty()) result_.tests.clear();
-    return std::move(result_);
-  }
+        solver_(regions, side_tolerance) {}
 
  private:
-  static bool isLeaf(std::uint32_t child) { return (child & MapContent::kLeaf) != 0; }
+  PrunedLeaf leafAt(std::uint32_t number) override { return prune(tree_.leaves[number]); }
 
-  /// Numbers the leaf that a child is, if it is one, by order of use.
-  void writeLeaf(std::uint32_t& child) {
-    if (!isLeaf(child)) return;
-    const auto next = static_cast<std::uint32_t>(result_.leaves.size());
-    const auto [found, is_new] = number_.emplace(child, next);
+  std::uint32_t numberOf(const PrunedLeaf& leaf) override {
+    const auto [found, is_new] = numbers_.emplace(leaf, static_cast<std::uint32_t>(result_.leaves.size()));
     if (is_new) {
-      const PrunedLeaf& leaf = leafOf(child);
       result_.leaves.push_back({static_cast<std::uint32_t>(result_.candidates.size()),
                                 static_cast<std::uint32_t>(leaf.candidates.size())});
       result_.candidates.insert(result_.candidates.end(), leaf.candidates.begin(), leaf.candidates.end());
-      result_.tests.insert(result_.tests.end(), leaf.tests.begin(), leaf.tests.end());
+      if (!tree_.tests.empty())
+        result_.tests.insert(result_.tests.end(), leaf.tests.begin(), leaf.tests.end());
     }
-    child = found->second | MapContent::kLeaf;
+    return found->second;
   }
 
-  std::uint32_t descend(std::uint32_t child, std::uint32_t depth) {
-    if (isLeaf(child)) {
-      result_.depth = std::max(result_.depth, depth);
-      return addLeaf(prune(tree_.leaves[child & ~MapContent::kLeaf]));
-    }
-    const MapContent::Node& node = tree_.nodes[child];
-    const std::size_t index = result_.nodes.size();
-    const std::uint32_t deepest = std::exchange(result_.depth, 0);
-    result_.nodes.push_back({node.plane, 0, 0});
-    path_.push_back(static_cast<std::int32_t>(node.plane) + 1);
-    const std::uint32_t below = descend(node.below, depth + 1);
-    path_.back() = -path_.back();
-    const std::uint32_t above = descend(node.above, depth + 1);
-    path_.pop_back();
-    if (isLeaf(below) && isLeaf(above)) {
-      if (std::optional<PrunedLeaf> joined = join(leafOf(below), leafOf(above))) {
-        result_.nodes.pop_back();
-        result_.depth = std::max(deepest, depth);
-        return addLeaf(std::move(*joined));
-      }
-    }
-    result_.depth = std::max(deepest, result_.depth);
-    result_.nodes[index].below = below;
-    result_.nodes[index].above = above;
-    return static_cast<std::uint32_t>(index);
-  }
-
-  const PrunedLeaf& leafOf(std::uint32_t child) const { return leaves_[child & ~MapContent::kLeaf]; }
-
-  /// The leaf in place of a node, if one leaf has all candidates of the other and no look-up gets longer.
-  std::optional<PrunedLeaf> join(const PrunedLeaf& below, const PrunedLeaf& above) {
+  /// If one leaf has all candidates of the other and no look-up gets longer.
+  std::optional<PrunedLeaf> join(const PrunedLeaf& below, const PrunedLeaf& above) override {
     const Candidates &first = below.candidates, &second = above.candidates;
     PrunedLeaf joined;
     if (std::includes(first.begin(), first.end(), second.begin(), second.end()))
@@ -159,24 +117,13 @@ class Pruner {
     return part.radius > 0.0 && geometry_.covered(part, cover, slack_);
   }
 
-  std::uint32_t addLeaf(PrunedLeaf leaf) {
-    const auto [found, is_new] = known_.emplace(leaf, static_cast<std::uint32_t>(leaves_.size()));
-    if (is_new) leaves_.push_back(std::move(leaf));
-    return found->second | MapContent::kLeaf;
-  }
-
   CellGeometry& geometry_;
   const TreeRegions& regions_;
   const PruneRegions& laws_;
   double slack_;
   MemberSolver solver_;
-  const SearchTree& tree_;
-  SearchTree result_;
-  RowList path_;
-  std::vector<PrunedLeaf> leaves_;
-  std::map<PrunedLeaf, std::uint32_t> known_;
-  // New number of each leaf that is used.
-  std::map<std::uint32_t, std::uint32_t> number_;
+  // Of the leaves that are written.
+  std::map<PrunedLeaf, std::uint32_t> numbers_;
 };
 
 }  // namespace

@@ -81,11 +81,7 @@ class Encoder {
     content.first_fallback = static_cast<std::uint32_t>(reduced_.first_fallback);
     SearchTree tree = findTree();
     content.solver_notes = "tree_depth: " + std::to_string(tree.depth) + "\n";
-    content.root = tree.root;
-    content.nodes = std::move(tree.nodes);
-    content.leaves = std::move(tree.leaves);
-    content.candidates = std::move(tree.candidates);
-    content.tests = std::move(tree.tests);
+    moveTree(std::move(tree), content);
     addPlanes(content);
     addRegions(content);
     orderRows(content);

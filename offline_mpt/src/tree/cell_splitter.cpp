@@ -154,9 +154,9 @@ std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vect
   std::sort(estimates.begin(), estimates.end(),
             [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
   const std::size_t all = tests(cell);
-  const std::size_t all_laws = lawsOf(cell, std::vector<unsigned char>(cell.members.size(), kBelow), kBelow);
   const std::size_t tried = cell.members.size() > kManyMembers ? 1 : planes_tried_;
-  std::vector<unsigned char> sides(cell.members.size());
+  std::vector<unsigned char> sides(cell.members.size(), kBelow);
+  const std::size_t all_laws = lawsOf(cell, sides, kBelow);
   std::optional<Estimate> best;
   for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {
     if (best && (i >= tried || !estimates[i].mayReach(*best))) break;
@@ -281,7 +281,7 @@ void CellSplitter::estimateLaws(const Cell& cell, std::size_t step, const std::v
   }
 }
 
-/// Number of laws of the members that have a side; 0 where laws do not count.
+// Number of laws of the members that have a side; 0 where laws do not count.
 std::size_t CellSplitter::lawsOf(const Cell& cell, const std::vector<unsigned char>& sides,
                                  unsigned side) const {
   if (regions_.laws.empty()) return 0;

@@ -261,11 +261,7 @@ MapContent encode(const ParametricProgram& program, const Partition& partition, 
   if (!partition.near_rows.empty()) choices.least_cell = std::max(choices.least_cell, tolerance::kLeastCell);
   SearchTree tree = buildTree(regions, choices);
   content.solver_notes = notes(partition, tree, options.mode);
-  content.root = tree.root;
-  content.nodes = std::move(tree.nodes);
-  content.leaves = std::move(tree.leaves);
-  content.candidates = std::move(tree.candidates);
-  content.tests = std::move(tree.tests);
+  moveTree(std::move(tree), content);
   orderRows(content);
   return content;
 }

@@ -102,9 +102,9 @@ double MemberSolver::depthOf(const Cell& cell, std::size_t plane, unsigned side)
     deeper.insert(deeper.end(), {1.0, row[static_cast<std::ptrdiff_t>(p)]});
   }
   direction.back() = 1.0;
-  PolytopeSolver solver(static_cast<int>(p) + 1);
+  if (!deeper_solver_) deeper_solver_.emplace(static_cast<int>(p) + 1);
   const int count = static_cast<int>(deeper.size() / (p + 2));
-  if (!solver.furthest(deeper.data(), count, start.data(), direction.data(), point.data()))
+  if (!deeper_solver_->furthest(deeper.data(), count, start.data(), direction.data(), point.data()))
     return -std::numeric_limits<double>::infinity();
   return point.back();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lp/float_lp.hpp"
@@ -78,6 +79,8 @@ class MemberSolver {
   PlaneSides kernels_;
   PolytopeSolver solver_;
   FloatLp by_factors_;
+  // In one dimension more, made where depths are asked for.
+  std::optional<PolytopeSolver> deeper_solver_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
   std::vector<double> slacks_;

@@ -395,6 +395,14 @@ class TreeGrower {
 
 }  // namespace
 
+void moveTree(SearchTree tree, MapContent& content) {
+  content.root = tree.root;
+  content.nodes = std::move(tree.nodes);
+  content.leaves = std::move(tree.leaves);
+  content.candidates = std::move(tree.candidates);
+  content.tests = std::move(tree.tests);
+}
+
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   SearchTree tree = TreeGrower(regions, options).run();
   if (options.mode != TreeMode::kSmall || tree.end == TreeEnd::kStopped) return tree;

@@ -145,10 +145,9 @@ bool LeafWalk::isOutside(std::uint32_t place, std::uint32_t facet) const {
   const RegionView region = context_.check.map.region(index);
   if (facet >= region.row_count) return false;
   const double error = context_.checks[index].plane_error;
-  for (std::size_t k = 0; k < path_.size(); ++k) {
-    if (path_[k] == region.rows[facet] && depths_[k] >= context_.planes.up(Rational(error))) return true;
-  }
-  if (std::find(path_.begin(), path_.end(), region.rows[facet]) != path_.end()) return false;
+  const auto on_path = std::find(path_.begin(), path_.end(), region.rows[facet]);
+  if (on_path != path_.end())
+    return depths_[static_cast<std::size_t>(on_path - path_.begin())] >= context_.planes.up(Rational(error));
   if (context_.widened || isTested(view_.testsOf(place), facet)) return false;
   const DroppedRow* const dropped = context_.findDropped(visit_, index, facet);
   return dropped != nullptr && least_depth_ >= 0 &&
