@@ -170,6 +170,17 @@ TEST_P(PolytopeOracle, InscribedBallIsTheLargest) {
   }
 }
 
+/// Facets are the rows from `kept` on that can be exceeded alone.
+void expectExceedable(const Rows& rows, int kept, const std::vector<int>& facets) {
+  std::vector<char> facet(rows.count(), 0);
+  for (const int i : facets) facet[i] = 1;
+  for (int i = 0; i < rows.count(); ++i) {
+    const double beyond = excess(rows, i);
+    if (std::abs(beyond) < kAgreement) continue;  // too close for GLPK
+    EXPECT_EQ(facet[i] != 0, i >= kept && beyond > 0.0) << "row " << i;
+  }
+}
+
 TEST_P(PolytopeOracle, MinimalRowsAreThoseThatCanBeExceededAlone) {
   const int n = GetParam();
   std::mt19937_64 random(100 + n);
@@ -178,14 +189,9 @@ TEST_P(PolytopeOracle, MinimalRowsAreThoseThatCanBeExceededAlone) {
   for (int round = 0; round < 25; ++round) {
     const Rows rows = randomPolytope(n, 4 + 2 * round, random);
     const std::vector<double> inside(n, 0.0);
+    SCOPED_TRACE(::testing::Message() << "dimension " << n << " round " << round);
     ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
-    std::vector<char> facet(rows.count(), 0);
-    for (const int i : minimal.facets) facet[i] = 1;
-    for (int i = 0; i < rows.count(); ++i) {
-      const double beyond = excess(rows, i);
-      if (std::abs(beyond) < kAgreement) continue;  // too close for GLPK
-      EXPECT_EQ(facet[i] != 0, beyond > 0.0) << "dimension " << n << " round " << round << " row " << i;
-    }
+    expectExceedable(rows, 0, minimal.facets);
     for (std::size_t f = 0; f < minimal.facets.size(); ++f) {
       const double* point = minimal.beyond.data() + f * n;
       for (const int i : minimal.facets) {
@@ -210,16 +216,10 @@ TEST_P(PolytopeOracle, RowsBesideOthersAreFoundFromTheInside) {
     const Rows rows = randomPolytope(n, 4 + 2 * round, random);
     const std::vector<double> inside(n, 0.0);
     for (const int kept : {0, n, rows.count() - 1}) {
+      SCOPED_TRACE(::testing::Message() << "dimension " << n << " round " << round << " kept " << kept);
       ASSERT_TRUE(
           solver.minimalBeside(kept, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
-      std::vector<char> facet(rows.count(), 0);
-      for (const int i : minimal.facets) facet[i] = 1;
-      for (int i = 0; i < rows.count(); ++i) {
-        const double beyond = excess(rows, i);
-        if (std::abs(beyond) < kAgreement) continue;  // too close for GLPK
-        EXPECT_EQ(facet[i] != 0, i >= kept && beyond > 0.0)
-            << "dimension " << n << " round " << round << " row " << i;
-      }
+      expectExceedable(rows, kept, minimal.facets);
     }
   }
 }
