@@ -99,18 +99,22 @@ void visitCorners(const ScaledRegion& region, double outwards, const Visit& visi
   } while (std::prev_permutation(chosen.begin(), chosen.end()));
 }
 
+Changes statedOf(const ParametricProgram& program, const RegionMap& map, const std::string& bytes) {
+  const CertifyReport report = certify(map, program, {});
+  EXPECT_TRUE(report.passed());
+  const checker::Map checked(bytes);
+  const auto proof = checker::readMapCertificate(report.certificate, checked);
+  proof->check();
+  return statedBy(proof->conditions());
+}
+
 // Beyond corners several half-spaces are violated at once, and conditions that no half-space of the map is.
 TEST(NearbyProgram, AnAnswerIsTheOptimumOfAProgramAsNearAsTheCheckerStates) {
   for (const ParametricProgram& program :
        {doubleIntegrator(4), randomProgram(4, 12, 2, 3), randomProgram(5, 14, 3, 4)}) {
     const Partition partition = explore(program);
     const MapInMemory memory(encode(program, partition));
-    const CertifyReport report = certify(memory.map(), program, {});
-    ASSERT_TRUE(report.passed());
-    const checker::Map map(memory.bytes());
-    const auto proof = checker::readMapCertificate(report.certificate, map);
-    proof->check();
-    const Changes stated = statedBy(proof->conditions());
+    const Changes stated = statedOf(program, memory.map(), memory.bytes());
     const auto p = static_cast<Eigen::Index>(program.parameters.size());
     Eigen::VectorXd centre(p), half(p);
     for (Eigen::Index j = 0; j < p; ++j) {
@@ -130,6 +134,22 @@ TEST(NearbyProgram, AnAnswerIsTheOptimumOfAProgramAsNearAsTheCheckerStates) {
     EXPECT_GT(found.bound, 0.5 * stated.bound);
     EXPECT_GT(found.cost, 0.5 * stated.cost);
   }
+}
+
+// Such a row bounds parameters only.
+TEST(NearbyProgram, ARowWithoutVariablesCounts) {
+  ParametricProgram program = doubleIntegrator(4);
+  const Eigen::Index m = program.A.rows();
+  program.A.conservativeResize(m + 1, Eigen::NoChange);
+  program.b.conservativeResize(m + 1);
+  program.S.conservativeResize(m + 1, Eigen::NoChange);
+  program.A.row(m).setZero();
+  program.S.row(m).setOnes();
+  program.b(m) = 0.5;
+  const MapInMemory memory(encode(program, explore(program)));
+  const Changes stated = statedOf(program, memory.map(), memory.bytes());
+  EXPECT_GT(stated.bound, 0.0);
+  EXPECT_LT(stated.bound, 1e-5);
 }
 
 }  // namespace

@@ -151,7 +151,11 @@ void Certificate::addSlackOf(std::size_t i, const Optimum& solution, Region& reg
 void Certificate::addSlack(std::size_t i, const Slack& slack, Region& region) const {
   if (equalities_.count(i) == 0) {
     region.rows[tag::origin(tag::kSlack, i)] = primitive(slack.value);
-    region.units[tag::origin(tag::kSlack, i)] = Fraction(unitOf(slack.value)) / slack.size;
+    // A row without z has its own greatest entry as size.
+    Integer size = slack.size;
+    for (std::size_t j = 0; j <= p_ && slack.size == 0; ++j)
+      size = std::max(size, Integer(abs(slack.value[j])));
+    if (size > 0) region.units[tag::origin(tag::kSlack, i)] = Fraction(unitOf(slack.value)) / size;
     return;
   }
   for (const Integer& value : slack.value) require(value == 0, "an equality does not hold");
