@@ -14,8 +14,8 @@ namespace polyfly {
 /// program has solutions but its cost falls without end, the partition says so (kUnbounded, unbounded_at). Rows may
 /// repeat, depend on each other or hold with equality everywhere. Inequalities that differ by less than 1e-10,
 /// relative, count as one. Throws Error when H is indefinite, the parameter set is unbounded, or the parameters that
-/// admit a solution form a lower-dimensional set. Also when rounding would decide what an equality fixes: its unit
-/// row is nearer to the span of the others than 1e-6, but not within rounding.
+/// admit a solution form a lower-dimensional set. Also when rounding would decide what an equality fixes. Then its
+/// unit row is nearer to the span of the others than 1e-6, but not within rounding.
 ///
 /// Active sets are described in the order in which they are found, so the result depends neither on threads nor on
 /// processes. An exploration that was stopped and resumed from its checkpoint ends with the regions of one that was

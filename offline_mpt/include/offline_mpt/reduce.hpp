@@ -90,7 +90,7 @@ struct ReduceResult {
 ///
 /// With `separate`, and one input: where the input is constant at its greatest or least value, the regions are left
 /// out. Fallback regions (FORMAT.md) take their place. They are the whole set of parameters that the map answers,
-/// divided by planes that keep the two kinds of saturation apart (Kvasnica, Hledik, Rauova and Fikar, 2013). One
+/// divided by planes. These keep the two kinds of saturation apart (Kvasnica, Hledik, Rauova and Fikar, 2013). One
 /// plane where one is enough; else a list of planes, each cutting off regions of one kind. The regions stay where
 /// that would not be fewer.
 ///

@@ -24,7 +24,7 @@ struct ClosedLoopModel {
 };
 
 /// Binds a model's signals to a map's by name. Throws Error when a parameter of the map is neither a state nor a
-/// parameter of the model, or one of the model's is not in the map. Also when inputs or units differ.
+/// parameter of the model. Also when one of the model's is not in the map, and when inputs or units differ.
 ClosedLoopModel bindModel(const SetModel& model, const RegionMap& map);
 
 struct AnalyzeOptions {

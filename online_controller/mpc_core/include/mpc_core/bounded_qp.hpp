@@ -38,9 +38,9 @@ struct QpVectors {
 /// the box. The second phase is for the rows, and for problems where the first does not end. It is a dual active-set
 /// method (Goldfarb and Idnani, 1983), which is finite.
 ///
-/// Each working set is factorised. That is done for the Hessian of the free variables or for the Gram matrix A H^-1
-/// A' of the active constraints, whichever is less work. Rows and columns of a Gram matrix that did not change keep
-/// their factor. No factor is updated, so no rounding is carried from one working set to the next.
+/// Each working set is factorised, by what is less work. That is the Hessian of the free variables or the Gram matrix
+/// A H^-1 A' of the active constraints. Rows and columns of a Gram matrix that did not change keep their factor. No
+/// factor is updated, so no rounding is carried from one working set to the next.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread. The same
 /// calls give the same bits, with or without AVX2. Moves, does not copy; an object that was moved from may only be
@@ -87,8 +87,9 @@ class BoundedQp {
   int iterations() const noexcept;           ///< working sets tried
 
   /// Greatest violation of the KKT conditions at x() and multipliers(). Stationarity is relative to the greatest
-  /// entry of g (at least 1). Bounds and signs of multipliers count as they are, complementarity by the distance to
-  /// the bound. Costs as much as n (n + m) multiplications; it shares nothing with the solution but H and A.
+  /// entry of g (at least 1). A bound counts by how far it is exceeded. A multiplier off its bound counts by the
+  /// distance to that bound, or by its own relative size where that is less. Costs as much as n (n + m)
+  /// multiplications; it shares nothing with the solution but H and A.
   double kktResidual() const noexcept;
 
   /// Greatest amount by which x() violates a row, 0 without rows.
