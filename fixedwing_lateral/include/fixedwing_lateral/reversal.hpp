@@ -29,7 +29,7 @@ class ReversalChoice {
 struct Junction {
   /// Of a turn that begins now. kNone unless the segment leads back, and the aircraft's course is still against it.
   Reversal reversal = Reversal::kNone;
-  /// False: the optimisation does not see the segment before it begins. That is so where it leads back or lies
+  /// False: the optimisation does not get the segment before it begins. That is so where it leads back or lies
   /// elsewhere. There is no corner to cut, and the horizon would avoid the switch condition.
   bool is_shown = true;
 };

@@ -8,7 +8,8 @@
 
 namespace polyfly {
 
-/// The flight that the demonstration tracks: hold, climb, a lying eight flown fast, hold. With the phase s,
+/// The flight that the demonstration tracks: hold, climb, a horizontal figure of eight flown fast, hold. With the
+/// phase s,
 ///   x = radius_x sin s,  y = radius_y sin 2s,  z = height + radius_z sin s,  yaw = yaw_turn s / (2 pi laps).
 /// The phase starts and ends smoothly, so that the jerk is continuous all along.
 struct FigureOptions {

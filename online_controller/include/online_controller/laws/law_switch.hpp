@@ -15,8 +15,8 @@ enum class Law : std::uint8_t {};
 
 /// The laws of a flight, and what is sent where the active one has no answer (FailsafePolicy).
 ///
-/// One of the laws is active, the others track what is sent. So a switch in flight has no bump. The next law's
-/// observer is up to date, and its last command is the one that was sent.
+/// One of the laws is active, the others track what is sent. So a switch in flight has no step in the command. The
+/// next law's observer is up to date, and its last command is the one that was sent.
 ///
 /// The dead time is vehicle/delay, or else that of the first law's model, or else of another's. With one, all laws
 /// are given the state that the vehicle will have when the command acts, see DelayPredictor. They are to be given
