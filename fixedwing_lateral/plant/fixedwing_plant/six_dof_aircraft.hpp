@@ -31,7 +31,7 @@ struct SixDofOptions {
 
 /// A rigid aircraft in six degrees of freedom with published coefficients, an autopilot of its own, actuators, and
 /// Dryden gusts. The controller has no model of its roll loop, its slip in turns or its trim errors. Nor does it know
-/// that airspeed and altitude fall in a bank.
+/// how airspeed and altitude change in a bank.
 class SixDofAircraft : public Aircraft {
  public:
   /// Begins in level trimmed flight at the heading of `start` and the autopilot's airspeed and altitude.
