@@ -259,7 +259,7 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
   return true;
 }
 
-// The same by FloatLp, which factorises the rows themselves: a dictionary may have lost the digits.
+// The same by FloatLp, which factorises the rows themselves where it stops: a dictionary may have lost the digits.
 bool MemberSolver::reachesByFactors(std::size_t plane, double side) {
   const auto width = static_cast<std::ptrdiff_t>(parameters() + 1);
   by_factors_.clear();
