@@ -171,7 +171,8 @@ void Certificate::check() const {
 
 ProvenRegion Certificate::checkRegion(std::size_t index, const Region& region) const {
   checkLaw(index, region);
-  if (convexity_ == "definite" && region.own == region.listed.size()) boundChanges(index, region);
+  const bool is_stated = convexity_ == "definite" && coverage_ == "exact";
+  if (is_stated && region.own == region.listed.size()) boundChanges(index, region);
   return proveFacets(index, region);
 }
 
