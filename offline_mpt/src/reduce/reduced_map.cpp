@@ -20,29 +20,6 @@ namespace {
 // Of kAuto.
 constexpr std::size_t kNodesPerRegion = 2;
 
-std::size_t worstLookUp(const SearchTree& tree, const TreeRegions& regions) {
-  std::vector<std::size_t> depth(tree.nodes.size(), 0);
-  std::size_t worst = 0;
-  const auto reach = [&](std::uint32_t child, std::size_t above) {
-    if ((child & MapContent::kLeaf) == 0) {
-      depth[child] = above;
-      return;
-    }
-    const MapContent::Leaf& leaf = tree.leaves[child & ~MapContent::kLeaf];
-    std::size_t cost = above;
-    for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k)
-      cost += testedRows(tree.tests[k], static_cast<std::uint32_t>(regions.rows[tree.candidates[k]].size()));
-    worst = std::max(worst, cost);
-  };
-  reach(tree.root, 0);
-  // Children follow their parents.
-  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-    reach(tree.nodes[i].below, depth[i] + 1);
-    reach(tree.nodes[i].above, depth[i] + 1);
-  }
-  return worst;
-}
-
 /// What look-ups read of planes and nodes.
 std::size_t bytesRead(const SearchTree& tree, const TreeRegions& regions) {
   const std::size_t plane_bytes = sizeof(double) * (static_cast<std::size_t>(regions.p) + 1);
@@ -132,7 +109,7 @@ class Encoder {
     SearchTree tree;
     std::vector<LawCell> cells;
     /// Half-spaces of the worst look-up, then the bytes that look-ups read of planes and nodes.
-    std::pair<std::size_t, std::size_t> cost;
+    std::pair<std::uint64_t, std::size_t> cost;
   };
 
   GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
@@ -147,7 +124,7 @@ class Encoder {
     }
     laws.first_fallback = laws.laws.size();
     result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
-    result.cost = {worstLookUp(result.tree, regions), bytesRead(result.tree, regions)};
+    result.cost = {result.tree.worst, bytesRead(result.tree, regions)};
     return result;
   }
 
