@@ -81,6 +81,8 @@ class Encoder {
     options.mode = options_.tree;
     options.threads = options_.threads;
     options.side_tolerance = options_.side_tolerance;
+    options.stop = options_.stop;
+    options.progress = options_.tree_progress;
     if (options.mode != TreeMode::kSmall) {
       options.all_rows = true;
       options.node_limit = kNodesPerRegion * regions.rows.size();
@@ -89,10 +91,10 @@ class Encoder {
       options.side_tolerance *= tolerance::kSharpSide;
       laws.first_fallback = reduced_.first_fallback;
     }
-    CellGeometry geometry(planes_);
+    CellGeometry geometry(planes_, options_.stop);
     if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
       return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
-                       buildTree(regions, options));
+                       wholeTree(regions, options));
     options.least_angle = tolerance::kCellAngle;
     GrownTree best = growTree(geometry, regions, laws, options);
     TreeRegions with_laws = regions;
@@ -102,6 +104,12 @@ class Encoder {
     for (LawCell& cell : best.cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
     dropUnusedRegions(best.tree);
     return std::move(best.tree);
+  }
+
+  static SearchTree wholeTree(const TreeRegions& regions, const TreeOptions& options) {
+    SearchTree tree = buildTree(regions, options);
+    if (tree.end == TreeEnd::kStopped) throw ReductionStopped();
+    return tree;
   }
 
   /// A tree, with the regions that its leaves add.
@@ -115,7 +123,7 @@ class Encoder {
   GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
                      const TreeOptions& options) const {
     GrownTree result;
-    const SearchTree grown = buildTree(regions, options);
+    const SearchTree grown = wholeTree(regions, options);
     result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
     for (const LawCell& cell : result.cells) {
       regions.rows.push_back(cell.piece.rows);
