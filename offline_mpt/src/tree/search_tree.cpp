@@ -1,6 +1,5 @@
 #include "offline_mpt/search_tree.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -10,8 +9,9 @@
 namespace polyfly {
 namespace {
 
-// TreeOptions::planes_tried of the second tree of kSmall: estimates may rank the best plane as low as this.
-constexpr std::uint64_t kSmallPlanesTried = 20;
+// TreeOptions::planes_tried of further trees of kSmall, where that is more. Estimates may rank the best plane as low as the last of
+// them. The best plane of a cell need not lead to the best tree, so that fewer may do better.
+constexpr std::uint64_t kSmallPlanesTried[] = {4, 20};
 
 }  // namespace
 
@@ -26,13 +26,17 @@ void moveTree(SearchTree tree, MapContent& content) {
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   SearchTree tree = growTree(regions, options);
   if (options.mode != TreeMode::kSmall || tree.end == TreeEnd::kStopped) return tree;
-  TreeOptions more = options;
-  more.planes_tried = std::max(options.planes_tried, kSmallPlanesTried);
-  SearchTree other = growTree(regions, more);
-  const std::uint64_t pivots = tree.pivots + other.pivots;
   const auto cost = [](const SearchTree& one) { return std::make_pair(one.worst, one.nodes.size()); };
-  if (other.end != TreeEnd::kStopped && cost(other) < cost(tree)) tree = std::move(other);
-  tree.pivots = pivots;
+  for (const std::uint64_t tried : kSmallPlanesTried) {
+    if (tried <= options.planes_tried) continue;
+    TreeOptions more = options;
+    more.planes_tried = tried;
+    SearchTree other = growTree(regions, more);
+    if (other.end == TreeEnd::kStopped) break;
+    const std::uint64_t pivots = tree.pivots + other.pivots;
+    if (cost(other) < cost(tree)) tree = std::move(other);
+    tree.pivots = pivots;
+  }
   return tree;
 }
 
