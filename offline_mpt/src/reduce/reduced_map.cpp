@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -13,7 +12,6 @@
 #include "reduce/prune_tree.hpp"
 #include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
-#include "tree/grow_tree.hpp"
 #include "tree/row_order.hpp"
 
 namespace polyfly {
@@ -30,8 +28,7 @@ std::size_t bytesRead(const SearchTree& tree, const TreeRegions& regions) {
   for (std::size_t k = 0; k < tree.candidates.size(); ++k) {
     const RowList& rows = regions.rows[tree.candidates[k]];
     for (std::uint32_t row = 0; row < rows.size(); ++row) {
-      if (tree.tests.empty() || isTested(tree.tests[k], row))
-        planes.insert(static_cast<std::size_t>(std::abs(rows[row])) - 1);
+      if (isTested(tree.tests[k], row)) planes.insert(static_cast<std::size_t>(std::abs(rows[row])) - 1);
     }
   }
   return plane_bytes * planes.size() + sizeof(MapContent::Node) * tree.nodes.size();
@@ -94,48 +91,47 @@ class Encoder {
       options.side_tolerance *= tolerance::kSharpSide;
       laws.first_fallback = reduced_.first_fallback;
     }
-    const bool joins = options.mode == TreeMode::kSmall && reduced_.first_fallback == 0;
-    if (joins) options.least_angle = tolerance::kCellAngle;
     CellGeometry geometry(planes_, options_.stop);
-    std::optional<FinishedTree> best;
-    const auto try_trees = [&] {
-      for (const TreeOptions& tried : triedTrees(options)) {
-        FinishedTree other = finish(growTree(regions, tried), geometry, regions, laws, options, joins);
-        if (!best || other.cost < best->cost) best = std::move(other);
-      }
-    };
-    try_trees();
-    if (joins) {
-      regions.laws = laws.laws;
-      try_trees();
-      for (LawCell& cell : best->cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
-      dropUnusedRegions(best->tree);
-    }
-    return std::move(best->tree);
+    if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
+      return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
+                       wholeTree(regions, options));
+    options.least_angle = tolerance::kCellAngle;
+    GrownTree best = growTree(geometry, regions, laws, options);
+    TreeRegions with_laws = regions;
+    with_laws.laws = laws.laws;
+    GrownTree other = growTree(geometry, with_laws, laws, options);
+    if (other.cost < best.cost) best = std::move(other);
+    for (LawCell& cell : best.cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
+    dropUnusedRegions(best.tree);
+    return std::move(best.tree);
+  }
+
+  static SearchTree wholeTree(const TreeRegions& regions, const TreeOptions& options) {
+    SearchTree tree = buildTree(regions, options);
+    if (tree.end == TreeEnd::kStopped) throw ReductionStopped();
+    return tree;
   }
 
   /// A tree, with the regions that its leaves add.
-  struct FinishedTree {
+  struct GrownTree {
     SearchTree tree;
     std::vector<LawCell> cells;
     /// Half-spaces of the worst look-up, then the bytes that look-ups read of planes and nodes.
     std::pair<std::uint64_t, std::size_t> cost;
   };
 
-  FinishedTree finish(SearchTree tree, CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
-                      const TreeOptions& options, bool joins) const {
-    if (tree.end == TreeEnd::kStopped) throw ReductionStopped();
-    FinishedTree result;
-    if (joins) {
-      tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, tree, result.cells);
-      for (const LawCell& cell : result.cells) {
-        regions.rows.push_back(cell.piece.rows);
-        regions.centres.insert(regions.centres.end(), cell.piece.centre.begin(), cell.piece.centre.end());
-        laws.laws.push_back(cell.law);
-      }
-      laws.first_fallback = laws.laws.size();
+  GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
+                     const TreeOptions& options) const {
+    GrownTree result;
+    const SearchTree grown = wholeTree(regions, options);
+    result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
+    for (const LawCell& cell : result.cells) {
+      regions.rows.push_back(cell.piece.rows);
+      regions.centres.insert(regions.centres.end(), cell.piece.centre.begin(), cell.piece.centre.end());
+      laws.laws.push_back(cell.law);
     }
-    result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, tree);
+    laws.first_fallback = laws.laws.size();
+    result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
     result.cost = {result.tree.worst, bytesRead(result.tree, regions)};
     return result;
   }

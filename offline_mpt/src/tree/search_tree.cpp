@@ -1,9 +1,7 @@
 #include "offline_mpt/search_tree.hpp"
 
 #include <exception>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "tree/grow_tree.hpp"
 #include "tree/tree_group.hpp"
@@ -25,30 +23,21 @@ void moveTree(SearchTree tree, MapContent& content) {
   content.tests = std::move(tree.tests);
 }
 
-std::vector<TreeOptions> triedTrees(const TreeOptions& options) {
-  std::vector<TreeOptions> tried(1, options);
-  if (options.mode != TreeMode::kSmall) return tried;
-  for (const std::uint64_t planes : kSmallPlanesTried) {
-    if (planes <= options.planes_tried) continue;
-    tried.push_back(options);
-    tried.back().planes_tried = planes;
-  }
-  return tried;
-}
-
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
-  std::optional<SearchTree> best;
-  std::uint64_t pivots = 0;
+  SearchTree tree = growTree(regions, options);
+  if (options.mode != TreeMode::kSmall || tree.end == TreeEnd::kStopped) return tree;
   const auto cost = [](const SearchTree& one) { return std::make_pair(one.worst, one.nodes.size()); };
-  for (const TreeOptions& tried : triedTrees(options)) {
-    SearchTree tree = growTree(regions, tried);
-    const bool is_stopped = tree.end == TreeEnd::kStopped;
-    pivots += tree.pivots;
-    if (!best || (!is_stopped && cost(tree) < cost(*best))) best = std::move(tree);
-    if (is_stopped) break;
+  for (const std::uint64_t tried : kSmallPlanesTried) {
+    if (tried <= options.planes_tried) continue;
+    TreeOptions more = options;
+    more.planes_tried = tried;
+    SearchTree other = growTree(regions, more);
+    if (other.end == TreeEnd::kStopped) break;
+    const std::uint64_t pivots = tree.pivots + other.pivots;
+    if (cost(other) < cost(tree)) tree = std::move(other);
+    tree.pivots = pivots;
   }
-  best->pivots = pivots;
-  return std::move(*best);
+  return tree;
 }
 
 void runTreeProcess(ProcessGroup& group, int threads) {
