@@ -43,6 +43,7 @@ struct ReduceArguments {
   std::string stats;
   std::string certificate;
   ReduceOptions reduce;
+  double time_limit = 0.0;
   bool no_proof = false;
   bool quiet = false;
 };
@@ -60,6 +61,9 @@ Result reduceWithProgress(const RegionMap& map, const ReduceArguments& options) 
     progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws",
                   -1.0);
   };
+  reduce_options.tree_progress = [&progress](std::uint64_t done, std::uint64_t) {
+    progress.show("search tree, " + std::to_string(done) + " nodes", -1.0);
+  };
   if (options.no_proof) {
     const ReduceResult result = reduce(map, reduce_options);
     return {result.stats, std::make_unique<MapImage>(result.content), {}};
@@ -76,7 +80,7 @@ ExitCode reduceMap(const ReduceArguments& options) {
   checkOutputs({{options.output, Output::Kind::kFile}, {options.stats}, {options.certificate}},
                {options.map});
   // Of no phase anything can be kept.
-  endOnSignal(options.output + ": interrupted: nothing was written");
+  endOnSignal(options.output + ": interrupted: nothing was written", options.time_limit);
   const RegionMap map = RegionMap::open(options.map);
   const Result result = reduceWithProgress(map, options);
   if (!options.no_proof && !result.report.passed()) {
@@ -135,6 +139,9 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--threads", options->reduce.threads,
                    "Number of worker threads (default: all processors).")
       ->check(wholeNumber(1, 256));
+  command
+      ->add_option("--time-limit", options->time_limit, "Stop after this many seconds (default: no limit).")
+      ->check(numberFrom(0.0));
   command->add_flag("--no-proof", options->no_proof, "Write the map without a proof.");
   command
       ->add_option("--certificate", options->certificate,

@@ -429,6 +429,14 @@ TEST_F(CommandLine, StopsOnASignalAndSaysWhatItCovers) {
   EXPECT_NE(result.out.find("stopped before the end"), std::string::npos) << result.out;
 }
 
+TEST_F(CommandLine, ReductionsEndAtTheirTimeLimit) {
+  const Outcome late = run({"reduce", solvedToy(), "-o", path("late.map"), "--time-limit", "1e-6"});
+  EXPECT_EQ(late.exit_code, 3) << late.err;
+  EXPECT_NE(late.err.find("late.map: interrupted: nothing was written"), std::string::npos) << late.err;
+  EXPECT_FALSE(fs::exists(path("late.map")));
+  expectRefused({"reduce", solvedToy(), "-o", path("late.map"), "--time-limit", "-1"}, {"--time-limit"});
+}
+
 TEST_F(CommandLine, ToolsTellTheirVersion) {
   EXPECT_EQ(run({"--version"}).out, std::string("offline_mpt ") + kVersion + "\n");
   const Outcome checker = wait(startProgram({CHECK_CERTIFICATE, "--version"}, path(".")));

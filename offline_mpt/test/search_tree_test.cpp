@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
@@ -200,6 +201,27 @@ TEST(SearchTree, ALargerTreeHasABetterWorstCase) {
 
 // Rows are left out only where the nodes, the box and the other rows imply them: a row that is left out holds at each
 // parameter whose leaf it belongs to and that meets the others.
+// Of trees that try 3, 4 and 20 planes of each cell, and none of them is always the best.
+TEST(SearchTree, TheBestOfSeveralSmallTreesIsKept) {
+  int is_better = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const ParametricProgram program = randomProgram(4, 14, 3, seed);
+    const Partition partition = explore(program);
+    const auto cost = [&](std::uint64_t planes_tried) {
+      TreeOptions options;
+      options.mode = TreeMode::kSmall;
+      options.planes_tried = planes_tried;
+      const MapInMemory memory(encode(program, partition, options));
+      return std::make_pair(memory.map().cost().multiply_adds, memory.map().nodeCount());
+    };
+    const auto best = cost(3), with_more = cost(4), with_most = cost(20);
+    EXPECT_LE(best, with_more) << seed;
+    EXPECT_LE(with_more, with_most) << seed;
+    if (best < with_most) ++is_better;
+  }
+  EXPECT_GT(is_better, 0);
+}
+
 TEST(SearchTree, RowsThatAreLeftOutAreImplied) {
   for (const int p : {2, 3, 5}) {
     const ParametricProgram program = randomProgram(6, 16, p, 11);

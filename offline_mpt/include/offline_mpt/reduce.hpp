@@ -42,6 +42,8 @@ struct ReduceOptions {
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early: Error
   /// Called now and then from the calling thread, with laws that are done.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+  /// The same while search trees grow: TreeOptions::progress.
+  std::function<void(std::uint64_t done, std::uint64_t total)> tree_progress;
 };
 
 /// Arrangements up to this size are merged optimally.

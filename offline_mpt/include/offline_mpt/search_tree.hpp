@@ -69,8 +69,8 @@ struct TreeOptions {
   std::uint64_t explored_pivots = 0;
   /// What its cells may take while it grows [bytes]. Above two thirds of it, the tree grows in one cell after the other.
   std::uint64_t memory_limit = std::uint64_t{3} << 29;
-  /// Planes of a cell whose split is computed exactly, the best by estimates, at least 1. kSmall builds a second tree
-  /// with more, and keeps the one with the shorter worst look-up.
+  /// Planes of a cell whose split is computed exactly, the best by estimates, at least 1. kSmall builds two
+  /// more trees with 4 and with 20, where those are more, and keeps the one with the shortest worst look-up.
   std::uint64_t planes_tried = 3;
   /// Look-ups test all rows of a candidate: the leaves of the map will not name any, and `tests` stays empty.
   bool all_rows = false;

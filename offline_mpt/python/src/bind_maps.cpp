@@ -125,6 +125,9 @@ std::unique_ptr<LoadedMap> reduceMap(const LoadedMap& map, const std::string& me
     reduce.progress = [&](auto done, auto total) {
       watch.look("joined regions of " + shareText(done, total, "laws"));
     };
+    reduce.tree_progress = [&](auto done, auto) {
+      watch.look("search tree, " + std::to_string(done) + " nodes");
+    };
     ReductionOptions proof;
     proof.threads = reduce.threads;
     proof.stop = &watch.stop();

@@ -73,8 +73,12 @@ double ScaledPlanes::value(std::int32_t row, const double* point) const {
   return row > 0 ? sum : -sum;
 }
 
-CellGeometry::CellGeometry(const ScaledPlanes& planes)
-    : planes_(planes), p_(static_cast<std::size_t>(planes.p)), solver_(planes.p) {}
+CellGeometry::CellGeometry(const ScaledPlanes& planes, const std::atomic<bool>* stop)
+    : planes_(planes), stop_(stop), p_(static_cast<std::size_t>(planes.p)), solver_(planes.p) {}
+
+void CellGeometry::throwIfStopped() const {
+  if (stop_ != nullptr && stop_->load()) throw ReductionStopped();
+}
 
 void CellGeometry::appendBox(std::vector<double>& out) const {
   for (std::size_t k = 0; k < 2 * p_; ++k) {
@@ -91,6 +95,7 @@ void CellGeometry::gather(const RowList& rows, double slack, std::vector<double>
 }
 
 double CellGeometry::ball(const std::vector<double>& rows, double* centre) {
+  throwIfStopped();
   ball_rows_ = rows;
   appendBox(ball_rows_);
   double radius = 0.0;
@@ -107,6 +112,7 @@ void CellGeometry::describe(ConvexCell& piece) {
 }
 
 bool CellGeometry::support(ConvexCell& piece, const double* direction, double* point) {
+  throwIfStopped();
   gather(piece.rows, 0.0, work_);
   const int count = static_cast<int>(work_.size() / (p_ + 1));
   if (!solver_.support(work_.data(), count, piece.centre.data(), direction, point)) return false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -39,11 +40,15 @@ struct ConvexCell {
   std::vector<double> points;
 };
 
+/// What questions throw once ReduceOptions::stop is set.
+struct ReductionStopped {};
+
 /// Decisions about polytopes by linear programming in floating point. What they say is proven afterwards, or
 /// refused (verify_reduction.hpp). One object serves one thread.
 class CellGeometry {
  public:
-  explicit CellGeometry(const ScaledPlanes& planes);
+  /// `planes` and `stop` must outlive the object. Where `stop` is set, linear programs throw ReductionStopped.
+  explicit CellGeometry(const ScaledPlanes& planes, const std::atomic<bool>* stop = nullptr);
 
   /// Fills centre and radius from the rows. A piece that the simplex fails on gets radius 0.
   void describe(ConvexCell& piece);
@@ -77,8 +82,10 @@ class CellGeometry {
                  const std::vector<const RowList*>& cover, double slack);
   void gather(const RowList& rows, double slack, std::vector<double>& out) const;
   void appendBox(std::vector<double>& out) const;
+  void throwIfStopped() const;
 
   const ScaledPlanes& planes_;
+  const std::atomic<bool>* stop_;
   std::size_t p_;
   PolytopeSolver solver_;
   std::vector<double> work_, ball_rows_;

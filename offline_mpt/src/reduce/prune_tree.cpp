@@ -7,22 +7,14 @@
 
 #include "reduce/rewrite_tree.hpp"
 #include "tree/member_solver.hpp"
+#include "tree/tree_leaves.hpp"
 
 namespace polyfly {
 namespace {
 
 using Candidates = std::vector<std::uint32_t>;  // ascending
 
-struct PrunedLeaf {
-  Candidates candidates;
-  std::vector<std::uint32_t> tests;  // of each
-
-  bool operator<(const PrunedLeaf& other) const {
-    return candidates != other.candidates ? candidates < other.candidates : tests < other.tests;
-  }
-};
-
-class Pruner final : public TreeRewriter<PrunedLeaf> {
+class Pruner final : public TreeRewriter<LeafContent> {
  public:
   Pruner(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws, double slack,
          double side_tolerance, const SearchTree& tree)
@@ -31,27 +23,21 @@ class Pruner final : public TreeRewriter<PrunedLeaf> {
         regions_(regions),
         laws_(laws),
         slack_(slack),
-        solver_(regions, side_tolerance) {}
+        solver_(regions, side_tolerance),
+        writer_(result_) {}
 
  private:
-  PrunedLeaf leafAt(std::uint32_t number) override { return prune(tree_.leaves[number]); }
+  LeafContent leafAt(std::uint32_t number) override { return prune(tree_.leaves[number]); }
 
-  std::uint32_t numberOf(const PrunedLeaf& leaf) override {
-    const auto [found, is_new] = numbers_.emplace(leaf, static_cast<std::uint32_t>(result_.leaves.size()));
-    if (is_new) {
-      result_.leaves.push_back({static_cast<std::uint32_t>(result_.candidates.size()),
-                                static_cast<std::uint32_t>(leaf.candidates.size())});
-      result_.candidates.insert(result_.candidates.end(), leaf.candidates.begin(), leaf.candidates.end());
-      if (!tree_.tests.empty())
-        result_.tests.insert(result_.tests.end(), leaf.tests.begin(), leaf.tests.end());
-    }
-    return found->second;
+  std::uint32_t numberOf(const LeafContent& leaf) override {
+    return writer_.write(leaf.candidates.data(), leaf.tests.data(),
+                         static_cast<std::uint32_t>(leaf.candidates.size()));
   }
 
   /// If one leaf has all candidates of the other and no look-up gets longer.
-  std::optional<PrunedLeaf> join(const PrunedLeaf& below, const PrunedLeaf& above) override {
+  std::optional<LeafContent> join(const LeafContent& below, const LeafContent& above) override {
     const Candidates &first = below.candidates, &second = above.candidates;
-    PrunedLeaf joined;
+    LeafContent joined;
     if (std::includes(first.begin(), first.end(), second.begin(), second.end()))
       joined.candidates = first;
     else if (std::includes(second.begin(), second.end(), first.begin(), first.end()))
@@ -65,7 +51,7 @@ class Pruner final : public TreeRewriter<PrunedLeaf> {
     return joined;
   }
 
-  std::size_t cost(const PrunedLeaf& leaf) const {
+  std::size_t cost(const LeafContent& leaf) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < leaf.tests.size(); ++i)
       sum += testedRows(leaf.tests[i], rowCount(leaf.candidates[i]));
@@ -80,7 +66,7 @@ class Pruner final : public TreeRewriter<PrunedLeaf> {
     return tree_.tests.empty() || region >= laws_.first_fallback;
   }
 
-  PrunedLeaf prune(const MapContent::Leaf& leaf) {
+  LeafContent prune(const MapContent::Leaf& leaf) {
     std::map<std::uint32_t, std::uint32_t> tests;  // by candidate
     Candidates candidates;
     for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
@@ -97,7 +83,7 @@ class Pruner final : public TreeRewriter<PrunedLeaf> {
       if (!cover.empty() && isCovered(candidates[i], cover))
         candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(i));
     }
-    PrunedLeaf result;
+    LeafContent result;
     for (const std::uint32_t region : candidates) result.tests.push_back(tests[region]);
     result.candidates = std::move(candidates);
     return result;
@@ -122,15 +108,17 @@ class Pruner final : public TreeRewriter<PrunedLeaf> {
   const PruneRegions& laws_;
   double slack_;
   MemberSolver solver_;
-  // Of the leaves that are written.
-  std::map<PrunedLeaf, std::uint32_t> numbers_;
+  LeafWriter writer_;
 };
 
 }  // namespace
 
 SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws,
                      double slack, double side_tolerance, const SearchTree& tree) {
-  return Pruner(geometry, regions, laws, slack, side_tolerance, tree).run();
+  SearchTree pruned = Pruner(geometry, regions, laws, slack, side_tolerance, tree).run();
+  pruned.worst = worstLookUp(pruned, regions);
+  if (tree.tests.empty()) pruned.tests.clear();
+  return pruned;
 }
 
 }  // namespace polyfly

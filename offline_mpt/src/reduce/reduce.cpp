@@ -59,7 +59,7 @@ class Reducer {
 
  private:
   void describeRegions() {
-    CellGeometry geometry(planes_);
+    CellGeometry geometry(planes_, options_.stop);
     for (std::size_t r = 0; r < map_.regionCount(); ++r) {
       const RegionView region = map_.region(r);
       ConvexCell piece;
@@ -86,12 +86,13 @@ class Reducer {
   void mergeAll() {
     const auto threads = static_cast<std::size_t>(std::clamp(options_.threads, 1, 256));
     std::vector<std::unique_ptr<CellGeometry>> geometries;
-    for (std::size_t i = 0; i < threads; ++i) geometries.push_back(std::make_unique<CellGeometry>(planes_));
+    for (std::size_t i = 0; i < threads; ++i)
+      geometries.push_back(std::make_unique<CellGeometry>(planes_, options_.stop));
     const bool finished = inParallel(groups_.size(), static_cast<int>(threads), options_.stop,
                                      options_.progress, [&](std::size_t thread, std::uint64_t i) {
                                        groups_[i].merged = merge(*geometries[thread], groups_[i]);
                                      });
-    if (!finished) throw Error(map_.path() + ": reduce: interrupted, nothing was kept");
+    if (!finished) throw ReductionStopped();
     for (const LawGroup& group : groups_) {
       if (group.merged.pieces.size() < group.regions.size()) ++stats_.merged_laws;
       if (options_.merge != MergeMethod::kNone)
@@ -163,7 +164,7 @@ class Reducer {
       stats_.saturated_regions += group->regions.size();
     }
     if (stats_.saturated_regions <= kinds_) return;
-    CellGeometry geometry(planes_);
+    CellGeometry geometry(planes_, options_.stop);
     const ConvexCell domain = domainOf(geometry, pieces_, box_, slack_);
     separation_ = separate(geometry, planes_, domain, piecesOf(upper_), piecesOf(lower_),
                            std::min(kMostFallbacks, stats_.saturated_regions - 1));
@@ -313,7 +314,11 @@ ReduceResult reduce(const RegionMap& map, const ReduceOptions& options) {
   if (options.separate && map.solverStatus() != toString(ExploreStatus::kComplete))
     throw Error(map.path() + ": reduce: --separate needs a complete map, this one is '" +
                 std::string(map.solverStatus()) + "'");
-  return Reducer(map, options).run();
+  try {
+    return Reducer(map, options).run();
+  } catch (const ReductionStopped&) {
+    throw Error(map.path() + ": reduce: interrupted, nothing was kept");
+  }
 }
 
 }  // namespace polyfly

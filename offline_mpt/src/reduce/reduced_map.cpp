@@ -20,29 +20,6 @@ namespace {
 // Of kAuto.
 constexpr std::size_t kNodesPerRegion = 2;
 
-std::size_t worstLookUp(const SearchTree& tree, const TreeRegions& regions) {
-  std::vector<std::size_t> depth(tree.nodes.size(), 0);
-  std::size_t worst = 0;
-  const auto reach = [&](std::uint32_t child, std::size_t above) {
-    if ((child & MapContent::kLeaf) == 0) {
-      depth[child] = above;
-      return;
-    }
-    const MapContent::Leaf& leaf = tree.leaves[child & ~MapContent::kLeaf];
-    std::size_t cost = above;
-    for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k)
-      cost += testedRows(tree.tests[k], static_cast<std::uint32_t>(regions.rows[tree.candidates[k]].size()));
-    worst = std::max(worst, cost);
-  };
-  reach(tree.root, 0);
-  // Children follow their parents.
-  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-    reach(tree.nodes[i].below, depth[i] + 1);
-    reach(tree.nodes[i].above, depth[i] + 1);
-  }
-  return worst;
-}
-
 /// What look-ups read of planes and nodes.
 std::size_t bytesRead(const SearchTree& tree, const TreeRegions& regions) {
   const std::size_t plane_bytes = sizeof(double) * (static_cast<std::size_t>(regions.p) + 1);
@@ -104,6 +81,8 @@ class Encoder {
     options.mode = options_.tree;
     options.threads = options_.threads;
     options.side_tolerance = options_.side_tolerance;
+    options.stop = options_.stop;
+    options.progress = options_.tree_progress;
     if (options.mode != TreeMode::kSmall) {
       options.all_rows = true;
       options.node_limit = kNodesPerRegion * regions.rows.size();
@@ -112,10 +91,10 @@ class Encoder {
       options.side_tolerance *= tolerance::kSharpSide;
       laws.first_fallback = reduced_.first_fallback;
     }
-    CellGeometry geometry(planes_);
+    CellGeometry geometry(planes_, options_.stop);
     if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
       return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
-                       buildTree(regions, options));
+                       wholeTree(regions, options));
     options.least_angle = tolerance::kCellAngle;
     GrownTree best = growTree(geometry, regions, laws, options);
     TreeRegions with_laws = regions;
@@ -127,18 +106,24 @@ class Encoder {
     return std::move(best.tree);
   }
 
+  static SearchTree wholeTree(const TreeRegions& regions, const TreeOptions& options) {
+    SearchTree tree = buildTree(regions, options);
+    if (tree.end == TreeEnd::kStopped) throw ReductionStopped();
+    return tree;
+  }
+
   /// A tree, with the regions that its leaves add.
   struct GrownTree {
     SearchTree tree;
     std::vector<LawCell> cells;
     /// Half-spaces of the worst look-up, then the bytes that look-ups read of planes and nodes.
-    std::pair<std::size_t, std::size_t> cost;
+    std::pair<std::uint64_t, std::size_t> cost;
   };
 
   GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
                      const TreeOptions& options) const {
     GrownTree result;
-    const SearchTree grown = buildTree(regions, options);
+    const SearchTree grown = wholeTree(regions, options);
     result.tree = joinByLaw(geometry, regions, laws, reduced_.box, reduced_.slack, grown, result.cells);
     for (const LawCell& cell : result.cells) {
       regions.rows.push_back(cell.piece.rows);
@@ -147,7 +132,7 @@ class Encoder {
     }
     laws.first_fallback = laws.laws.size();
     result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
-    result.cost = {worstLookUp(result.tree, regions), bytesRead(result.tree, regions)};
+    result.cost = {result.tree.worst, bytesRead(result.tree, regions)};
     return result;
   }
 

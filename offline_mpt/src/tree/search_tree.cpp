@@ -1,397 +1,17 @@
 #include "offline_mpt/search_tree.hpp"
 
-#include <algorithm>
-#include <memory>
-#include <optional>
-#include <queue>
-#include <unordered_map>
+#include <exception>
 #include <utility>
 
-#include "support/in_parallel.hpp"
-#include "tree/cell_splitter.hpp"
-#include "tree/growth_limit.hpp"
+#include "tree/grow_tree.hpp"
 #include "tree/tree_group.hpp"
 
 namespace polyfly {
 namespace {
 
-// Cells of a batch, which the threads share. It does not depend on their number, nor does the tree.
-constexpr std::size_t kBatch = 32;
-// The same in kFast, where a batch may take little longer than the limit.
-constexpr std::size_t kFastBatch = 4;
-// A batch takes cells whose look-ups cost at least this share of the worst.
-constexpr double kNearWorst = 0.75;
-// A cell with more members is split by all threads together.
-constexpr std::size_t kLargeCell = 2000;
-// Such cells of a batch, one of them in kFast.
-constexpr std::size_t kLargeBatch = 4;
-
-// TreeOptions::planes_tried of the second tree of kSmall: estimates may rank the best plane as low as this.
-constexpr std::uint64_t kSmallPlanesTried = 20;
-
-constexpr std::size_t kHashFactor = 0x9e3779b97f4a7c15u;
-
-// Of an allocation, besides its content.
-constexpr std::uint64_t kAllocation = 16;
-
-/// What a cell takes in memory while the tree grows.
-std::uint64_t memoryOf(const Cell& cell) {
-  std::uint64_t sum = sizeof(std::int32_t) * cell.path.size() + kAllocation;
-  for (const CellMember& member : cell.members) {
-    sum += sizeof(CellMember) + 4 * kAllocation + sizeof(std::int32_t) * member.bounds() +
-           sizeof(double) * (member.inner.size() + member.points.size());
-  }
-  return sum;
-}
-
-/// What a leaf takes in a map file.
-std::uint64_t bytesOf(std::uint32_t members) {
-  return sizeof(MapContent::Leaf) + 2 * sizeof(std::uint32_t) * members;
-}
-
-class TreeGrower {
- public:
-  TreeGrower(const TreeRegions& regions, const TreeOptions& options)
-      : regions_(regions),
-        options_(options),
-        splitter_(regions, options),
-        limit_(regions, options),
-        group_(options.group) {}
-
-  SearchTree run() {
-    group_.begin(regions_, options_);
-    auto whole = std::make_unique<Cell>(splitter_.whole());
-    now_.pivots = splitter_.pivots();
-    const CellFacts facts = factsOf(*whole);
-    addCell(facts, ShareRange(), std::move(whole));
-    TreeEnd end = grow(limit_);
-    if (end == TreeEnd::kMemory) end = growParts();
-    finishLeaves(0);
-    SearchTree tree;
-    tree.root = layOut(0, tree);
-    if (options_.all_rows) tree.tests.clear();
-    tree.end = end;
-    tree.pivots = now_.pivots;
-    return tree;
-  }
-
- private:
-  static constexpr std::uint32_t kUnsplit = ~std::uint32_t{0};
-  static constexpr std::uint32_t kFinished = kUnsplit - 1;
-
-  struct GrowingCell {
-    std::uint64_t memory = 0;
-    std::uint32_t members = 0;
-    std::uint32_t depth = 0;
-    /// Its node, or kUnsplit, or kFinished: of a leaf only what a map holds is left.
-    std::uint32_t node = kUnsplit;
-    ShareRange shares;
-    /// Of a finished leaf, its first one of the candidates and tests that are kept.
-    std::size_t first_kept = 0;
-    /// Where this process holds it, until it is split or finished.
-    std::unique_ptr<Cell> cell;
-  };
-
-  /// A cell that may be split, by the greatest cost of its look-ups.
-  struct Open {
-    std::uint64_t cost = 0;  // half-spaces
-    std::uint32_t cell = 0;
-
-    bool operator<(const Open& other) const {
-      return cost != other.cost ? cost < other.cost : cell > other.cell;
-    }
-  };
-
-  CellFacts factsOf(const Cell& cell) const {
-    return {cell.path.size() + splitter_.tests(cell), memoryOf(cell),
-            static_cast<std::uint32_t>(cell.members.size()), static_cast<std::uint32_t>(cell.path.size())};
-  }
-
-  TreeEnd grow(GrowthLimit& limit) {
-    for (;;) {
-      if (open_.empty()) return TreeEnd::kNoGain;
-      if (group_.isAlone()) stop_ = stopRequested();
-      if (stop_) return TreeEnd::kStopped;
-      now_.nodes = nodes_.size();
-      now_.worst = open_.top().cost;
-      if (const std::optional<TreeEnd> end = limit.reached(now_)) return *end;
-      splitBatch(takeBatch(limit.nodes() - nodes_.size()));
-      reportProgress();
-    }
-  }
-
-  bool stopRequested() const { return options_.stop != nullptr && options_.stop->load(); }
-
-  /// Where the cells of the whole tree take too much memory: grows from one cell after the other, and keeps of its
-  /// leaves only what a map holds. Each gets the share of what is left that its look-ups have of all.
-  TreeEnd growParts() {
-    std::vector<Open> parts;
-    double left = 0.0;
-    for (; !open_.empty(); open_.pop()) {
-      parts.push_back(open_.top());
-      left += static_cast<double>(open_.top().cost);
-    }
-    TreeEnd end = TreeEnd::kNoGain;
-    std::uint64_t worst = 0;
-    for (const Open& part : parts) {
-      const std::size_t first = cells_.size();
-      const double share = static_cast<double>(part.cost) / left;
-      left -= static_cast<double>(part.cost);
-      now_.nodes = nodes_.size();
-      GrowthLimit limit = limit_.part(now_, std::min(share, 1.0), options_.memory_limit);
-      open_.push(part);
-      const TreeEnd reached = grow(limit);
-      const std::uint64_t cost = open_.empty() ? 0 : open_.top().cost;
-      open_ = {};
-      finishLeaves(first);
-      if (cost <= worst) continue;
-      worst = cost;
-      end = reached;
-    }
-    return end;
-  }
-
-  void addCell(const CellFacts& facts, ShareRange shares, std::unique_ptr<Cell> cell) {
-    const auto number = static_cast<std::uint32_t>(cells_.size());
-    now_.bytes += bytesOf(facts.members);
-    now_.memory += facts.memory;
-    cells_.push_back({facts.memory, facts.members, facts.depth, kUnsplit, shares, 0,
-                      group_.holds(shares) ? std::move(cell) : nullptr});
-    if (facts.members > 1) open_.push({facts.cost, number});
-  }
-
-  bool isLarge(const Open& open) const { return cells_[open.cell].members > kLargeCell; }
-
-  /// At most so many cells, and at least one. All of them are large, or none is.
-  std::vector<std::uint32_t> takeBatch(std::uint64_t limit) {
-    std::vector<std::uint32_t> batch;
-    const auto least = static_cast<std::uint64_t>(kNearWorst * static_cast<double>(open_.top().cost));
-    const bool large = isLarge(open_.top());
-    const bool fast = options_.mode == TreeMode::kFast;
-    const std::uint64_t most = large ? (fast ? 1 : kLargeBatch) : (fast ? kFastBatch : kBatch);
-    while (batch.size() < std::min(most, limit) && !open_.empty() && open_.top().cost >= least &&
-           isLarge(open_.top()) == large) {
-      batch.push_back(open_.top().cell);
-      open_.pop();
-    }
-    return batch;
-  }
-
-  void splitBatch(const std::vector<std::uint32_t>& batch) {
-    std::vector<ShareRange> shares;
-    for (const std::uint32_t cell : batch) {
-      shares.push_back(cells_[cell].shares);
-      now_.bytes -= bytesOf(cells_[cell].members);
-      now_.memory -= cells_[cell].memory;
-    }
-    std::vector<std::optional<CellSplit>> splits(batch.size());
-    std::vector<SplitOutcome> outcomes = splitOwn(batch, splits);
-    stop_ = stopRequested();
-    group_.share(shares, outcomes, stop_);
-    for (std::size_t i = 0; i < batch.size(); ++i) settle(batch[i], outcomes[i], std::move(splits[i]));
-  }
-
-  std::vector<SplitOutcome> splitOwn(const std::vector<std::uint32_t>& batch,
-                                     std::vector<std::optional<CellSplit>>& splits) {
-    std::vector<SplitOutcome> outcomes(batch.size());
-    std::vector<std::size_t> small;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!group_.holds(cells_[batch[i]].shares)) continue;
-      Cell& cell = *cells_[batch[i]].cell;
-      if (cell.members.size() <= kLargeCell) {
-        small.push_back(i);
-        continue;
-      }
-      const std::uint64_t before = splitter_.pivots();
-      splits[i] = splitter_.splitTogether(cell);
-      outcomes[i] = outcomeOf(cell, splits[i], splitter_.pivots() - before);
-    }
-    const auto split = [&](std::size_t thread, std::uint64_t k) {
-      const std::size_t i = small[k];
-      Cell& cell = *cells_[batch[i]].cell;
-      const std::uint64_t before = splitter_.pivots(thread);
-      splits[i] = splitter_.split(cell, thread);
-      outcomes[i] = outcomeOf(cell, splits[i], splitter_.pivots(thread) - before);
-    };
-    if (small.size() == 1) {
-      split(0, 0);
-    } else if (!small.empty()) {
-      inParallel(small.size(), options_.threads, nullptr, {}, split);
-    }
-    return outcomes;
-  }
-
-  SplitOutcome outcomeOf(const Cell& cell, const std::optional<CellSplit>& split,
-                         std::uint64_t pivots) const {
-    SplitOutcome outcome;
-    outcome.pivots = pivots;
-    if (!split) {
-      outcome.cell = factsOf(cell);
-      return outcome;
-    }
-    outcome.is_split = 1;
-    outcome.plane = static_cast<std::uint32_t>(split->plane);
-    outcome.below = factsOf(split->below);
-    outcome.above = factsOf(split->above);
-    return outcome;
-  }
-
-  void settle(std::uint32_t number, const SplitOutcome& outcome, std::optional<CellSplit> split) {
-    now_.pivots += outcome.pivots;
-    GrowingCell& parent = cells_[number];
-    if (outcome.is_split == 0) {
-      parent.memory = outcome.cell.memory;
-      now_.bytes += bytesOf(parent.members);
-      now_.memory += parent.memory;
-      return;
-    }
-    parent.node = static_cast<std::uint32_t>(nodes_.size());
-    parent.cell.reset();
-    nodes_.push_back(outcome.plane);
-    now_.bytes += sizeof(MapContent::Node);
-    const ShareRange shares = parent.shares;
-    const auto child = [&](Cell& cell) { return std::make_unique<Cell>(std::move(cell)); };
-    addCell(outcome.below, shares.lowerHalf(), split ? child(split->below) : nullptr);
-    addCell(outcome.above, shares.upperHalf(), split ? child(split->above) : nullptr);
-  }
-
-  void reportProgress() const {
-    if (options_.progress)
-      options_.progress(std::min<std::uint64_t>(nodes_.size(), limit_.nodes()), limit_.nodes());
-  }
-
-  /// Of the cells from `first` on, those that are leaves: of them is kept only what a map holds.
-  void finishLeaves(std::size_t first) {
-    std::vector<std::uint32_t> leaves, own;
-    for (std::size_t cell = first; cell < cells_.size(); ++cell) {
-      if (cells_[cell].node != kUnsplit) continue;
-      leaves.push_back(static_cast<std::uint32_t>(cell));
-      if (group_.speaksFor(cells_[cell].shares)) own.push_back(leaves.back());
-    }
-    const std::uint64_t before = splitter_.pivots();
-    inParallel(own.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
-      splitter_.finishLeaf(*cells_[own[i]].cell, thread);
-    });
-    const std::uint64_t pivots = splitter_.pivots() - before;
-    if (group_.isAlone()) {
-      now_.pivots += pivots;
-      for (const std::uint32_t leaf : leaves) keep(leaf, listOf(*cells_[leaf].cell));
-    } else {
-      shareLeaves(leaves, own, pivots);
-    }
-  }
-
-  /// What a map holds of a leaf.
-  struct LeafList {
-    std::vector<std::uint32_t> candidates;
-    std::vector<std::uint32_t> tests;
-  };
-
-  void shareLeaves(const std::vector<std::uint32_t>& leaves, const std::vector<std::uint32_t>& own,
-                   std::uint64_t pivots) {
-    std::vector<std::byte> mine;
-    ByteWriter out(mine);
-    out.put(pivots);
-    for (const std::uint32_t leaf : own) {
-      const LeafList list = listOf(*cells_[leaf].cell);
-      writeList(list.candidates, out);
-      writeList(list.tests, out);
-    }
-    const std::vector<std::vector<std::byte>> all = group_.round(std::move(mine));
-    std::vector<ByteReader> in;
-    for (const std::vector<std::byte>& one : all) {
-      in.emplace_back(one.data(), one.size(), "message of the group");
-      now_.pivots += in.back().get<std::uint64_t>();
-    }
-    for (const std::uint32_t leaf : leaves) {
-      const auto speaker = static_cast<std::size_t>(group_.speaker(cells_[leaf].shares));
-      LeafList list;
-      readList(in[speaker], list.candidates);
-      readList(in[speaker], list.tests);
-      keep(leaf, list);
-    }
-  }
-
-  LeafList listOf(const Cell& cell) const {
-    LeafList list;
-    for (const CellMember& member : cell.members) {
-      list.candidates.push_back(member.region);
-      list.tests.push_back(options_.all_rows ? MapContent::kAllRows : splitter_.testsOf(member));
-    }
-    return list;
-  }
-
-  void keep(std::uint32_t number, const LeafList& list) {
-    GrowingCell& leaf = cells_[number];
-    now_.memory -= leaf.memory;
-    leaf.node = kFinished;
-    leaf.first_kept = candidates_.size();
-    leaf.cell.reset();
-    candidates_.insert(candidates_.end(), list.candidates.begin(), list.candidates.end());
-    tests_.insert(tests_.end(), list.tests.begin(), list.tests.end());
-  }
-
-  /// Nodes in the order of descents, below first.
-  std::uint32_t layOut(std::uint32_t cell, SearchTree& tree) {
-    if (cells_[cell].node == kFinished) return addLeaf(cells_[cell], tree);
-    const std::uint32_t node = cells_[cell].node;
-    const auto index = static_cast<std::uint32_t>(tree.nodes.size());
-    tree.nodes.push_back({nodes_[node], 0, 0});
-    const std::uint32_t below = layOut(2 * node + 1, tree);
-    const std::uint32_t above = layOut(2 * node + 2, tree);
-    tree.nodes[index].below = below;
-    tree.nodes[index].above = above;
-    return index;
-  }
-
-  std::uint32_t addLeaf(const GrowingCell& leaf, SearchTree& tree) {
-    tree.depth = std::max(tree.depth, leaf.depth);
-    std::uint64_t cost = leaf.depth;
-    for (std::size_t k = leaf.first_kept; k < leaf.first_kept + leaf.members; ++k) {
-      cost += testedRows(tests_[k], static_cast<std::uint32_t>(regions_.rows[candidates_[k]].size()));
-    }
-    tree.worst = std::max(tree.worst, cost);
-    return writeLeaf(leaf, tree) | MapContent::kLeaf;
-  }
-
-  /// Equal leaves are written once.
-  std::uint32_t writeLeaf(const GrowingCell& leaf, SearchTree& tree) {
-    const auto first = static_cast<std::ptrdiff_t>(leaf.first_kept);
-    const auto candidates = candidates_.begin() + first, tests = tests_.begin() + first;
-    std::size_t hash = leaf.members;
-    for (std::uint32_t k = 0; k < leaf.members; ++k)
-      hash = (hash * kHashFactor + candidates[k]) * kHashFactor + tests[k];
-    const auto [begin, end] = written_.equal_range(hash);
-    for (auto one = begin; one != end; ++one) {
-      const MapContent::Leaf& other = tree.leaves[one->second];
-      const auto place = static_cast<std::ptrdiff_t>(other.first);
-      if (other.count == leaf.members &&
-          std::equal(candidates, candidates + leaf.members, tree.candidates.begin() + place) &&
-          std::equal(tests, tests + leaf.members, tree.tests.begin() + place))
-        return one->second;
-    }
-    const auto index = static_cast<std::uint32_t>(tree.leaves.size());
-    tree.leaves.push_back({static_cast<std::uint32_t>(tree.candidates.size()), leaf.members});
-    tree.candidates.insert(tree.candidates.end(), candidates, candidates + leaf.members);
-    tree.tests.insert(tree.tests.end(), tests, tests + leaf.members);
-    written_.emplace(hash, index);
-    return index;
-  }
-
-  const TreeRegions& regions_;
-  const TreeOptions& options_;
-  CellSplitter splitter_;
-  GrowthLimit limit_;
-  TreeGroup group_;
-  Growth now_;
-  bool stop_ = false;
-  std::vector<GrowingCell> cells_;
-  std::vector<std::uint32_t> candidates_, tests_;
-  // Leaves that are laid out, by a hash of what they hold.
-  std::unordered_multimap<std::size_t, std::uint32_t> written_;
-  std::vector<std::uint32_t> nodes_;  // planes; the children of node i are cells 2 i + 1 and 2 i + 2
-  std::priority_queue<Open> open_;
-};
+// TreeOptions::planes_tried of further trees of kSmall, where that is more. Estimates may rank the best plane as low as
+// the last of them. The best plane of a cell need not lead to the best tree, so that fewer may do better.
+constexpr std::uint64_t kSmallPlanesTried[] = {4, 20};
 
 }  // namespace
 
@@ -404,15 +24,19 @@ void moveTree(SearchTree tree, MapContent& content) {
 }
 
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
-  SearchTree tree = TreeGrower(regions, options).run();
+  SearchTree tree = growTree(regions, options);
   if (options.mode != TreeMode::kSmall || tree.end == TreeEnd::kStopped) return tree;
-  TreeOptions more = options;
-  more.planes_tried = std::max(options.planes_tried, kSmallPlanesTried);
-  SearchTree other = TreeGrower(regions, more).run();
-  const std::uint64_t pivots = tree.pivots + other.pivots;
   const auto cost = [](const SearchTree& one) { return std::make_pair(one.worst, one.nodes.size()); };
-  if (other.end != TreeEnd::kStopped && cost(other) < cost(tree)) tree = std::move(other);
-  tree.pivots = pivots;
+  for (const std::uint64_t tried : kSmallPlanesTried) {
+    if (tried <= options.planes_tried) continue;
+    TreeOptions more = options;
+    more.planes_tried = tried;
+    SearchTree other = growTree(regions, more);
+    if (other.end == TreeEnd::kStopped) break;
+    const std::uint64_t pivots = tree.pivots + other.pivots;
+    if (cost(other) < cost(tree)) tree = std::move(other);
+    tree.pivots = pivots;
+  }
   return tree;
 }
 
@@ -422,7 +46,7 @@ void runTreeProcess(ProcessGroup& group, int threads) {
       TreeTask task = readTask(*bytes);
       task.options.threads = threads;
       task.options.group = &group;
-      TreeGrower(task.regions, task.options).run();
+      growTree(task.regions, task.options);
     }
   } catch (const GroupExchange::Ended&) {  // process 0 has said why
   } catch (const std::exception& error) {
