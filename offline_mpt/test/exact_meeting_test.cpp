@@ -1,5 +1,8 @@
 // Where many regions meet, some have facets in common that no map lists: what lies behind them is found all
-// the same.
+// the same. Where a region and a plane of the tree meet at a side of the box, a row may rest on that side.
+#include <cmath>
+
+#include "certify/lookup/dropped_rows.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
 #include "offline_mpt/certify.hpp"
@@ -52,6 +55,47 @@ TEST(MeetingRegions, AMissingRegionIsAGap) {
     }
   }
   EXPECT_GT(tried, 3);
+}
+
+/// A region y <= 0.3, y >= -0.5, and a tree of one plane through (1, 0.3), on which x rises by `steep` where y rises by 1.
+/// Below the plane, y <= 0.3 is not tested.
+MapContent cornerMap(double steep) {
+  const double length = std::hypot(1.0, steep);
+  MapContent map;
+  map.name = "corner";
+  map.problem_kind = "json";
+  map.solver_status = "complete";
+  map.tolerance = 1e-8;
+  map.parameters = {{"x", "1", -1.0, 1.0}, {"y", "1", -1.0, 1.0}};
+  map.inputs = {{"u", "1", -1.0, 1.0}};
+  map.planes = {-steep / length, 1.0 / length, (0.3 - steep) / length, 0.0, 1.0, 0.3, 0.0, 1.0, -0.5};
+  map.laws = {0.0, 0.0, 0.0};
+  map.rows = {2, -3};
+  map.regions = {{0, 2, 0, 0, 0}};
+  map.nodes = {{0, MapContent::kLeaf, MapContent::kLeaf | 1u}};
+  map.leaves = {{0, 1}, {1, 1}};
+  map.candidates = {0, 0};
+  map.tests = {2u, 3u};
+  return map;
+}
+
+// The plane and x <= 1 + 2^-26, which look-ups accept, let y exceed 0.3 by steep * 2^-26.
+TEST(MeetingRegions, RowsRestOnTheWiderBoxThatLookupsAccept) {
+  for (const double steep : {0.5, 2.0, 3.1, 4.0, 5.0, 5.2, 5.5, 7.0}) {
+    SCOPED_TRACE(steep);
+    const MapInMemory memory(cornerMap(steep));
+    const RegionMap& map = memory.map();
+    const WholePlanes planes(map, ExactRanges(map.parameters()));
+    const RegionDrops drops = dropRows(map, planes, LookupTree(map), 0);
+    const double reach = steep * std::ldexp(1.0, -26);
+    if (reach > kReach * map.tolerance()) {
+      EXPECT_EQ(drops.unbounded.size(), 1u);
+      continue;
+    }
+    EXPECT_TRUE(drops.unbounded.empty());
+    ASSERT_FALSE(drops.rows.empty());
+    EXPECT_NEAR(drops.rows.back().constant, -reach, 1e-12);
+  }
 }
 
 }  // namespace

@@ -248,23 +248,28 @@ TEST_P(PolytopeOracle, LeftOutRowsHoldWithinTheExcessOfLooseRows) {
   int left_out = 0, bounded = 0;
   for (int round = 0; round < 20; ++round) {
     const Rows rows = touchingRows(n, 3 + round, random);
-    std::vector<char> is_loose(rows.count()), is_needed(rows.count(), 0);
-    for (std::size_t i = 0; i < is_loose.size(); ++i) is_loose[i] = (i + round) % 3 != 0 ? 1 : 0;
+    std::vector<char> is_asked(rows.count()), is_needed(rows.count(), 0);
+    std::vector<double> amounts(rows.count());
+    for (std::size_t i = 0; i < is_asked.size(); ++i) {
+      const std::size_t kind = (i + round) % 4;
+      is_asked[i] = kind < 2 ? 1 : 0;
+      amounts[i] = kind < 2 ? kAmount : kind == 2 ? 1.5 * kAmount : 0.0;
+    }
     const std::vector<double> inside(n, 0.0);
     ASSERT_TRUE(solver.minimalBeside(0, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal,
-                                     {is_loose.data(), kAmount, kMost}));
+                                     {amounts.data(), is_asked.data(), kAmount, kMost}));
     EXPECT_GE(minimal.excess, 1.0);
     for (const int i : minimal.facets) is_needed[i] = 1;
     if (minimal.excess > kMost) continue;
     ++bounded;
     Rows moved{n, {}};
     for (int i = 0; i < rows.count(); ++i) {
-      if (is_loose[i] != 0 && is_needed[i] == 0) continue;
+      if (is_asked[i] != 0 && is_needed[i] == 0) continue;
       moved.data.insert(moved.data.end(), rows.row(i), rows.row(i) + n + 1);
-      if (is_loose[i] != 0) moved.data.back() += kAmount;
+      moved.data.back() += amounts[i];
     }
     for (int i = 0; i < rows.count(); ++i) {
-      if (is_loose[i] == 0 || is_needed[i] != 0) continue;
+      if (is_asked[i] == 0 || is_needed[i] != 0) continue;
       ++left_out;
       std::vector<double> objective(rows.row(i), rows.row(i) + n);
       objective.push_back(0.0);

@@ -16,8 +16,10 @@
 #include "offline_mpt/explore.hpp"
 #include "program/normalised_program.hpp"
 #include "random_program.hpp"
+#include "region_maps/format.hpp"
 #include "tree/growth_limit.hpp"
 #include "tree/member_solver.hpp"
+#include "tree/tolerances.hpp"
 
 namespace polyfly {
 namespace {
@@ -432,6 +434,39 @@ TEST(SearchTree, PartsOfRegionsKeepAPointInside) {
     for (std::size_t k = 3; k < regions.planes.size() / 3; ++k) EXPECT_LT(distance(k, above), 0.0);
     EXPECT_LT(above.rows.size(), 8u);  // the sides about its tip
     EXPECT_EQ(above.walls.size(), 2u);
+  }
+}
+
+// The plane of a node and x <= 1 meet just below y = 0.3: together they imply y <= 0.3. Look-ups accept x <= 1 + 2^-26, and
+// then y may be greater by `steep` times as much.
+TEST(SearchTree, RowsThatTheWiderBoxOfLookupsLetsExceedAreTested) {
+  constexpr double kMeet = 0.3 - 1e-10;
+  for (const double steep : {0.5, 2.0, 3.0, 3.6, 5.0, 6.0, 20.0}) {
+    SCOPED_TRACE(steep);
+    const double length = std::hypot(1.0, steep);
+    TreeRegions regions;
+    regions.p = 2;
+    regions.planes = {-steep / length,
+                      1.0 / length,
+                      (kMeet - steep) / length,
+                      0.0,
+                      1.0,
+                      0.3,
+                      1.0,
+                      0.0,
+                      1.0,
+                      0.0,
+                      1.0,
+                      -0.5,
+                      1.0,
+                      0.0,
+                      0.0};
+    regions.rows = {{2, 3, -4, -5}};
+    regions.centres = {0.5, 0.0};
+    MemberSolver solver(regions, 1e-12);
+    const bool is_tested = isTested(solver.testsAt(0, {1}), 0);
+    const double reach = kMeet + steep * std::ldexp(1.0, -26) - 0.3;
+    EXPECT_EQ(is_tested, reach > tolerance::kUntestedReach * format::kMaxTolerance);
   }
 }
 

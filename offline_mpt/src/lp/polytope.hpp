@@ -11,15 +11,17 @@ struct MinimalRows {
   std::vector<int> facets;  ///< indices of the rows that bound the polytope, ascending
   /// Per facet a point (dimension numbers) that violates this row and no other facet.
   std::vector<double> beyond;
-  /// With LooseRows: where those that are needed are violated by at most one amount, those that were left out are by at
-  /// most so many, if all other rows hold. Above LooseRows::most it is no bound.
+  /// With LooseRows: where all others are violated by at most their amounts, those that are asked and were left out are by at
+  /// most so many units. Above LooseRows::most it is no bound.
   double excess = 1.0;
 };
 
-/// Rows that may be violated by up to `amount`.
+/// Rows that may be violated.
 struct LooseRows {
-  const char* is_loose = nullptr;  ///< one per row
-  double amount = 0.0;
+  const double* amounts = nullptr;  ///< one per row: by how much at most
+  /// One per row: whether MinimalRows::excess counts it once it is left out.
+  const char* is_asked = nullptr;
+  double unit = 0.0;
   double most = 0.0;  ///< greatest MinimalRows::excess that is of interest, at least 1
 };
 

@@ -288,13 +288,13 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   void markRedundant(int i) {
     state_[i] = RowState::kRedundant;
-    if (loose_.is_loose != nullptr && loose_.is_loose[i] != 0)
+    if (loose_.is_asked != nullptr && loose_.is_asked[i] != 0)
       loosen(dictionary_.slack(dictionary_.place(i)));
     dictionary_.remove(dictionary_.place(i));
   }
 
-  // Of a loose row that is left out: what its slack loses where loose rows are violated. Where that may make it negative, all
-  // that was left out before may rest on this row.
+  // Of a row that is left out: what its slack loses where loose rows are violated. Where that may make it negative, all that
+  // was left out before may rest on this row.
   void loosen(const typename Dictionary<N>::Row& slack) {
     constexpr double kWidest = 2.0 * N;
     double loss = 0.0;
@@ -302,11 +302,11 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const int row = dictionary_.nonbasic(j);
       if (slack[j + 1] < 0.0 || row < 0)
         loss += std::abs(slack[j + 1]) * kWidest;
-      else if (loose_.is_loose[row] != 0)
-        loss += slack[j + 1] * loose_.amount;
+      else
+        loss += slack[j + 1] * loose_.amounts[row];
     }
     if (slack[0] >= loose_.most * loss) return;
-    excess_ *= std::max(1.0, loss / loose_.amount);
+    excess_ *= std::max(1.0, loss / loose_.unit);
   }
 
   void markFacet(int i, int column, double step) {

@@ -18,8 +18,8 @@ struct CellMember {
   /// p numbers each, inside or on the border. They show on which sides of a plane the part reaches. The first ones
   /// lie on the rows and then the walls in turn: each shows that its row is needed.
   std::vector<double> points;
-  /// Where the rows to test are violated by at most the tolerance of a look-up, the region's other rows are by at most
-  /// so many tolerances. Above kUntestedReach it is no bound.
+  /// Where the rows to test are violated by at most the tolerance of a look-up, and the sides of the box by what look-ups
+  /// accept, the region's other rows are by at most so many tolerances. Above kUntestedReach it is no bound.
   double excess = 1.0;
 
   std::size_t bounds() const { return rows.size() + walls.size(); }

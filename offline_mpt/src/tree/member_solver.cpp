@@ -64,6 +64,11 @@ bool MemberSolver::boundsBox(std::int32_t row) const {
   return std::abs(bound - 1.0) <= tolerance::kSameAsBox;
 }
 
+// By how much a parameter that a look-up brings to a cell may violate a bound of it.
+double MemberSolver::roundingOf(std::int32_t wall) const {
+  return boundsBox(wall) ? tolerance::kMissedBox : tolerance::kMissedPlane;
+}
+
 unsigned MemberSolver::seenSides(const CellMember& member, std::size_t plane) const {
   const std::size_t p = parameters();
   constexpr unsigned kBoth = kBelow | kAbove;
@@ -151,7 +156,7 @@ void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std
   if (!is_careful_ && member.excess <= tolerance::kUntestedReach) return;
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
-  for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : tolerance::kMissedPlane);
+  for (const std::int32_t row : member.walls) gatherRow(row, roundingOf(row));
   for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
   questioned_.clear();
   std::size_t next = 0;  // of member.rows, which are in the order of `all`
@@ -184,7 +189,7 @@ void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& 
   rows_.clear();
   for (const std::int32_t row : path) gatherRow(row, tolerance::kMissedPlane);
   for (const std::int32_t row : all) {
-    if (boundsBox(row)) gatherRow(row, 0.0);
+    if (boundsBox(row)) gatherRow(row, tolerance::kMissedBox);
   }
   for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
   std::vector<std::int32_t> tested;
@@ -386,14 +391,19 @@ void MemberSolver::decide(CellMember& member) {
     }
   }
   ordered_.resize(rows_.size());
-  is_loose_.clear();
-  for (const std::size_t k : order_) is_loose_.push_back(k < member.rows.size() ? 1 : 0);
+  is_tested_.clear();
+  amounts_.clear();
+  for (const std::size_t k : order_) {
+    const bool is_tested = k < member.rows.size();
+    is_tested_.push_back(is_tested ? 1 : 0);
+    amounts_.push_back(is_tested ? format::kMaxTolerance : roundingOf(member.bound(k)));
+  }
   for (std::size_t k = 0; k < order_.size(); ++k)
     std::copy_n(rows_.data() + order_[k] * (p + 1), p + 1, ordered_.data() + k * (p + 1));
   const auto kept = static_cast<int>(std::count(is_settled_.begin(), is_settled_.end(), 1));
-  if (!solver_.minimalBeside(kept, ordered_.data(), static_cast<int>(order_.size()), member.inner.data(),
-                             tolerance::kImpliedRow, minimal_,
-                             {is_loose_.data(), format::kMaxTolerance, tolerance::kUntestedReach})) {
+  if (!solver_.minimalBeside(
+          kept, ordered_.data(), static_cast<int>(order_.size()), member.inner.data(), tolerance::kImpliedRow,
+          minimal_, {amounts_.data(), is_tested_.data(), format::kMaxTolerance, tolerance::kUntestedReach})) {
     // All stay.
     for (std::size_t k = 0; k < is_settled_.size(); ++k) {
       if (is_settled_[k] == 0)

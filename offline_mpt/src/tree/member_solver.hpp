@@ -61,6 +61,7 @@ class MemberSolver {
   std::size_t parameters() const { return static_cast<std::size_t>(regions_.p); }
   const double* plane(std::size_t index) const { return regions_.planes.data() + index * (parameters() + 1); }
   bool boundsBox(std::int32_t row) const;
+  double roundingOf(std::int32_t wall) const;
   void gatherRows(const CellMember& member);
   void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
@@ -89,7 +90,9 @@ class MemberSolver {
   std::vector<std::size_t> order_;
   std::vector<std::int32_t> questioned_;
   std::vector<double> ordered_;  // rows in that order
-  std::vector<char> is_loose_;
+  // Per such row, whether look-ups test it, and by how much they let it be violated.
+  std::vector<char> is_tested_;
+  std::vector<double> amounts_;
   // A half in the making: what is kept of it is a copy, without memory left over.
   CellMember part_;
   std::vector<double> direction_, point_;

@@ -26,9 +26,11 @@ constexpr double kNeededRow = 1e-9;
 /// which candidate is the nearest [scaled].
 constexpr double kImpliedRow = 1e-12;
 
-/// By how much rows that are not tested may be violated. A certificate proves 8; the rest is for rounding and for
-/// the tolerance at the sides of the box.
+/// By how many tolerances rows that are not tested may be violated. A certificate proves 8; the rest is for rounding.
 constexpr double kUntestedReach = 5.0;
+
+/// By how much a parameter that a look-up accepts may lie outside of the box: 2^-26, as certificates have it [scaled].
+constexpr double kMissedBox = 1.0 / (1 << 26);
 
 /// By how much a parameter may have missed a plane on the way to a cell, by rounding [scaled].
 constexpr double kMissedPlane = 1e-13;

@@ -20,6 +20,9 @@ constexpr double kNodeReach = 3.0, kLeafReach = 1.0 * kReach;
 
 double below(const Rational& value) { return -above(-value); }
 
+// FloatLp has the box |t_j| <= 1, look-ups have a wider one. So t is divided by this for it.
+constexpr double kWideBox = 1.0 + 1.0 / (1 << WholePlanes::kWideBits);
+
 /// scale * row = sum of weight * row + rest. Places: rows on a path, then rows of the region.
 struct RowCombination {
   Integer scale = 1;
@@ -59,6 +62,7 @@ class Dropper {
            std::vector<std::vector<double>>& units) const {
     rows.push_back(planes_.row(row));
     units.push_back(planes_.moved(row, moved_by).unit);
+    units.back().back() /= kWideBox;
   }
 
   /// `live`: rows that are not dropped; `is_new`: the part of the region differs from that at the parent.
@@ -153,12 +157,21 @@ class Dropper {
     const FloatLp::Status status = findWeights(target, live, weights);
     const double far = solver_.objective() - own_units_[target].back() + tolerance_;
     if (status == FloatLp::Status::kOptimal && far > reach) return false;
+    const bool is_leaf = reach >= kLeafReach * tolerance_;
+    const Rational allowed(is_leaf ? std::max(tolerance_, reach - weightOfOwn(weights) * tolerance_)
+                                   : tolerance_);
     for (const int bits : {kShortBits, kLongBits}) {
       result = rounded(weights, bits);
       const Rational constant = restOf(target, result);
-      if (constant >= 0 || (bits == kLongBits && constant >= -Rational(tolerance_))) return true;
+      if (constant >= 0 || (bits == kLongBits && constant >= -allowed)) return true;
     }
-    return reach >= kLeafReach * tolerance_ && findExactly(target, live, reach, result);
+    return is_leaf && findExactly(target, live, reach, result);
+  }
+
+  double weightOfOwn(const std::vector<std::pair<std::size_t, double>>& weights) const {
+    double sum = 0.0;
+    for (const auto& [place, weight] : weights) sum += place < path_.size() ? 0.0 : weight;
+    return sum;
   }
 
   FloatLp::Status findWeights(std::uint32_t target, const std::vector<char>& live,
