@@ -345,6 +345,13 @@ TEST(Polytope, EmptyPolytopeHasNegativeRadius) {
   EXPECT_NEAR(radius, -0.25, 1e-12);
 }
 
+Furthest rationally(int dimension) {
+  return [dimension](const double* rows, int count, const double* start, const double* direction,
+                     double* point) {
+    return maximiseRationally(dimension, rows, count, start, direction, point);
+  };
+}
+
 // What PolytopeSolver falls back on, beside it: the same rows are needed, the same points furthest out.
 TEST(RationalPolytope, AnswersAsTheSolverInDoubles) {
   for (const int n : {1, 2, 3, 4, 6}) {
@@ -355,8 +362,8 @@ TEST(RationalPolytope, AnswersAsTheSolverInDoubles) {
       const Rows rows = randomPolytope(n, 3 + 3 * round, random);
       MinimalRows expected, minimal;
       ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside.data(), kTolerance, expected));
-      ASSERT_TRUE(
-          minimalRationally(0, n, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
+      ASSERT_TRUE(minimalOneByOne(0, n, rows.data.data(), rows.count(), inside.data(), kTolerance,
+                                  rationally(n), minimal));
       EXPECT_EQ(minimal.facets, expected.facets) << "dimension " << n << " round " << round;
       std::vector<double> direction(n), furthest(n), point(n);
       for (double& entry : direction) entry = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
@@ -384,7 +391,8 @@ TEST(RationalPolytope, EndsWhereRowsNearlyCoincide) {
   ASSERT_TRUE(maximiseRationally(3, rows.data.data(), rows.count(), inside, direction, point));
   EXPECT_NEAR(point[0] + point[1] + point[2], 1.0, 1e-12);
   MinimalRows minimal;
-  ASSERT_TRUE(minimalRationally(0, 3, rows.data.data(), rows.count(), inside, kTolerance, minimal));
+  ASSERT_TRUE(
+      minimalOneByOne(0, 3, rows.data.data(), rows.count(), inside, kTolerance, rationally(3), minimal));
   EXPECT_EQ(minimal.facets.size(), 7u);
 }
 

@@ -91,14 +91,23 @@ bool PolytopeSolver::chebyshevInBox(const double* rows, int count, double* centr
 bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,
                              MinimalRows& result) {
   return plain_->minimal(rows, count, interior, tolerance, result) ||
-         minimalRationally(0, dimension_, rows, count, interior, tolerance, result);
+         minimalOneByOne(0, rows, count, interior, tolerance, result);
 }
 
 bool PolytopeSolver::minimalBeside(int kept, const double* rows, int count, const double* interior,
                                    double tolerance, MinimalRows& result, const LooseRows& loose) {
   if (plain_->minimalBeside(kept, rows, count, interior, tolerance, result, loose)) return true;
   result.excess = std::numeric_limits<double>::infinity();
-  return minimalRationally(kept, dimension_, rows, count, interior, tolerance, result);
+  return minimalOneByOne(kept, rows, count, interior, tolerance, result);
+}
+
+// Each row starts anew, so that most of them need no rational numbers.
+bool PolytopeSolver::minimalOneByOne(int kept, const double* rows, int count, const double* interior,
+                                     double tolerance, MinimalRows& result) {
+  const auto maximise = [this](const double* left, int left_count, const double* start,
+                               const double* direction,
+                               double* point) { return furthest(left, left_count, start, direction, point); };
+  return polyfly::minimalOneByOne(kept, dimension_, rows, count, interior, tolerance, maximise, result);
 }
 
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,

@@ -29,8 +29,8 @@ struct LooseRows {
 /// between calls; one object serves one thread. The method is the primal simplex on dictionaries: the slacks
 /// of all rows as affine functions of the slacks of the rows that are tight at the current vertex, so that
 /// one pivot costs rows x dimension multiply-adds and every vertex passed proves rows redundant or
-/// irredundant for free. Where rounding leads the pivots astray, the question is answered once more in
-/// rational arithmetic, so that false always means a polytope that is not bounded.
+/// irredundant for free. Where rounding leads the pivots astray, or the last vertex away from its rows, the question is
+/// answered once more in rational arithmetic, so that false always means a polytope that is not bounded.
 class PolytopeSolver {
  public:
   static constexpr int kMaxDimension = 13;
@@ -74,6 +74,8 @@ class PolytopeSolver {
   class Kernel;
 
  private:
+  bool minimalOneByOne(int kept, const double* rows, int count, const double* interior, double tolerance,
+                       MinimalRows& result);
   double radiusAbout(const double* rows, int count, const double* centre) const;
 
   // Kernel in `dimension`.

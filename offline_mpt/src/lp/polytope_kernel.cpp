@@ -22,7 +22,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     if (!dictionary_.start(rows, count, interior)) return false;
     begin(0, count, tolerance, {});
     sweep();
-    return decideAll(0, count, result);
+    return decideAll(0, count, result) && isPrecise(rows);
   }
 
   // Straight towards the rows in question: some are decided before a vertex is reached.
@@ -30,18 +30,18 @@ class KernelOf final : public PolytopeSolver::Kernel {
                      MinimalRows& result, const LooseRows& loose) override {
     dictionary_.startFree(rows, count, interior);
     begin(kept, count, tolerance, loose);
-    return decideAll(kept, count, result);
+    return decideAll(kept, count, result) && isPrecise(rows);
   }
 
   bool maximise(const double* rows, int count, const double* start, const double* direction,
                 double* point) override {
-    return dictionary_.start(rows, count, start) && climbFromHere(direction, point);
+    return dictionary_.start(rows, count, start) && climbFromHere(direction, point) && isPrecise(rows);
   }
 
   bool climb(const double* rows, int count, const double* start, const double* direction,
              double* point) override {
     dictionary_.startFree(rows, count, start);
-    return climbFromHere(direction, point);
+    return climbFromHere(direction, point) && isPrecise(rows);
   }
 
   // A ball has a radius and at least one coordinate.
@@ -57,6 +57,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
  private:
   static constexpr int kDualPivotLimit = 40 * (N + 1);
+
+  bool isPrecise(const double* rows) const { return dictionary_.drift(rows) <= tolerance::kDrift; }
 
   // -direction . t in terms of the columns.
   typename Dictionary<N>::Row objectiveOf(const double* direction) const {
@@ -137,8 +139,6 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return total > 0.0 ? bound / total : std::numeric_limits<double>::infinity();
   }
 
-  static constexpr double kReach = 1.0;  // `beyond` points stay within this of the vertex
-
   void begin(int kept, int count, double tolerance, const LooseRows& loose) {
     state_.assign(count, RowState::kUnknown);
     std::fill_n(state_.begin(), kept, RowState::kFacet);
@@ -181,7 +181,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   // Whether row i, tight in column j, can be violated alone by more than the tolerance.
   bool provedByColumn(int i, int j) {
-    const double step = std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking).step, kReach);
+    const double step =
+        std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking).step, tolerance::kMostBeyond);
     if (step <= tolerance_) return false;
     markFacet(i, j, -step);
     return true;
@@ -195,7 +196,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       if (place < 0) {
         const int own = dictionary_.column(i);
         const Blocking found = dictionary_.ratio(own, Dictionary<N>::kShrinking);
-        const double step = std::min(found.step, kReach);
+        const double step = std::min(found.step, tolerance::kMostBeyond);
         if (step > tolerance_) {
           markFacet(i, own, -step);
           return true;
@@ -215,7 +216,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const auto [step, blocking] = dictionary_.ratio(column, way, place);
       const double fall = std::abs(row[column + 1]);
       if (row[0] - fall * step < -tolerance_) {
-        const double reach = std::min(step, (row[0] + kReach) / fall);
+        const double reach = std::min(step, (row[0] + tolerance::kMostBeyond) / fall);
         markFacet(i, column, way == Dictionary<N>::kGrowing ? reach : -reach);
         return true;
       }

@@ -4,14 +4,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "lp/tolerances.hpp"
 #include "offline_mpt/exact_lp.hpp"
 
 namespace polyfly {
-namespace {
-
-constexpr double kReach = 1.0;  // how far past a row `beyond` points may lie
-
-}  // namespace
 
 bool maximiseRationally(int dimension, const double* rows, int count, const double* start,
                         const double* direction, double* point) {
@@ -40,8 +36,8 @@ bool maximiseRationally(int dimension, const double* rows, int count, const doub
   return true;
 }
 
-bool minimalRationally(int kept, int dimension, const double* rows, int count, const double* interior,
-                       double tolerance, MinimalRows& result) {
+bool minimalOneByOne(int kept, int dimension, const double* rows, int count, const double* interior,
+                     double tolerance, const Furthest& furthest, MinimalRows& result) {
   result.facets.clear();
   result.beyond.clear();
   const auto n = static_cast<std::size_t>(dimension);
@@ -52,9 +48,9 @@ bool minimalRationally(int kept, int dimension, const double* rows, int count, c
   for (int i = kept; i < count; ++i) {
     double* const row = left.data() + k * (n + 1);
     const double bound = row[n];
-    row[n] += kReach;
+    row[n] += tolerance::kMostBeyond;
     const int left_count = static_cast<int>(left.size() / (n + 1));
-    if (!maximiseRationally(dimension, left.data(), left_count, interior, row, beyond.data())) return false;
+    if (!furthest(left.data(), left_count, interior, row, beyond.data())) return false;
     row[n] = bound;
     double violation = -bound;
     for (std::size_t j = 0; j < n; ++j) violation += row[j] * beyond[j];
