@@ -16,6 +16,7 @@
 #include "program/normalised_program.hpp"
 #include "random_program.hpp"
 #include "tree/growth_limit.hpp"
+#include "tree/cell_solver.hpp"
 #include "tree/member_solver.hpp"
 
 namespace polyfly {
@@ -423,8 +424,8 @@ TEST(SearchTree, DepthsOfCellsAreFoundForAsManyParametersAsAreExplored) {
   regions.planes.back() = -0.5;
   regions.rows.resize(1);
   regions.centres.assign(p, 0.0);
-  MemberSolver solver(regions, 1e-9);
-  const Cell box{{solver.whole(0)}, {}};
+  const Cell box{{MemberSolver(regions, 1e-9).whole(0)}, {}};
+  CellSolver solver(regions);
   EXPECT_NEAR(solver.depthOf(box, 0, kBelow), 0.25, 1e-12);
   EXPECT_NEAR(solver.depthOf(box, 0, kAbove), 0.75, 1e-12);
 }

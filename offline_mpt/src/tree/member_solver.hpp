@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "lp/float_lp.hpp"
@@ -28,9 +27,6 @@ class MemberSolver {
 
   /// How far known points of the member lie on a side of the plane, kBelow or kAbove; negative where none does.
   double reachOf(const CellMember& member, std::size_t plane, unsigned side) const;
-
-  /// Depth of the deepest point of a cell on a side of the plane, within the box. If it is not decided it is -inf.
-  double depthOf(const Cell& cell, std::size_t plane, unsigned side);
 
   /// Sides of the plane to which the member reaches, further than the tolerance. A point on each such side is kept
   /// in the member.
@@ -79,8 +75,6 @@ class MemberSolver {
   PlaneSides kernels_;
   PolytopeSolver solver_;
   FloatLp by_factors_;
-  // In one dimension more, made where depths are asked for.
-  std::optional<PolytopeSolver> deeper_solver_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
   std::vector<double> slacks_;

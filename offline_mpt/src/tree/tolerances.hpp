@@ -47,6 +47,10 @@ constexpr double kDoubtfulReach = 1e-10;
 /// distance of its diameter times kMissedPlane over this radius: about kMembership [scaled].
 constexpr double kLeastCell = kMissedPlane / kMembership;
 
+/// Corners of cells move at most by so many times the distance by which a parameter may have missed their planes: no
+/// candidate need hold what arrives beyond them further than kMembership.
+constexpr double kMostCornerShift = kMembership / kMissedPlane;
+
 /// Planes at a smaller angle that cross in the box leave an edge of a cell. By rounding, parameters may arrive beyond it at
 /// a distance of kMissedPlane over the angle, and more where several planes meet. No candidate need hold them beyond
 /// kMembership, so the angle leaves ten times the room.
