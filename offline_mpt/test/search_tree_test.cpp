@@ -15,8 +15,8 @@
 #include "offline_mpt/explore.hpp"
 #include "program/normalised_program.hpp"
 #include "random_program.hpp"
-#include "tree/growth_limit.hpp"
 #include "tree/cell_solver.hpp"
+#include "tree/growth_limit.hpp"
 #include "tree/member_solver.hpp"
 
 namespace polyfly {

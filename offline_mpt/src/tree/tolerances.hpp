@@ -47,9 +47,10 @@ constexpr double kDoubtfulReach = 1e-10;
 /// distance of its diameter times kMissedPlane over this radius: about kMembership [scaled].
 constexpr double kLeastCell = kMissedPlane / kMembership;
 
-/// Corners of cells move at most by so many times the distance by which a parameter may have missed their planes: no
-/// candidate need hold what arrives beyond them further than kMembership.
-constexpr double kMostCornerShift = kMembership / kMissedPlane;
+/// Where all planes of a cell move by some distance, its corners move at most so many times as far along an axis. By
+/// rounding, parameters may arrive as far beyond them, and no candidate need hold what it misses by more than kMembership.
+/// Parts of regions that reach too little across a plane are left out too: three tenths leave room for them.
+constexpr double kMostCornerShift = 0.3 * kMembership / kMissedPlane;
 
 /// Planes at a smaller angle that cross in the box leave an edge of a cell. By rounding, parameters may arrive beyond it at
 /// a distance of kMissedPlane over the angle, and more where several planes meet. No candidate need hold them beyond
