@@ -112,6 +112,11 @@ TEST(RepeatedRows, NoLookUpIsLostBetweenPlanesThatAreAllButParallel) {
   }
 }
 
+// Pivots on such half-spaces lose all digits: a leaf once left out a row that it must test.
+TEST(RepeatedRows, PivotsThatLoseDigitsLeaveOutNoRow) {
+  expectProven(repeatedThrice(106, 2, 1e-8, {4, 9, 4}));
+}
+
 // Of four such half-spaces a dictionary drops one that is needed.
 TEST(RepeatedRows, HalfSpacesThatAreAllButParallelAreToldApart) {
   for (const Repeated& made :

@@ -14,6 +14,8 @@ struct MinimalRows {
   /// With LooseRows: where those that are needed are violated by at most one amount, those that were left out are by at
   /// most so many, if all other rows hold. Above LooseRows::most it is no bound.
   double excess = 1.0;
+  /// A row was left out although the others let it be violated, by at most the tolerance.
+  bool leaves_reach = false;
 };
 
 /// Rows that may be violated by up to `amount`.
@@ -76,6 +78,8 @@ class PolytopeSolver {
  private:
   bool minimalOneByOne(int kept, const double* rows, int count, const double* interior, double tolerance,
                        MinimalRows& result);
+  bool restoreRows(const double* rows, int count, const double* interior, double tolerance,
+                   MinimalRows& result);
   double radiusAbout(const double* rows, int count, const double* centre) const;
 
   // Kernel in `dimension`.

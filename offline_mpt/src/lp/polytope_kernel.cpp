@@ -146,6 +146,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     tolerance_ = tolerance;
     loose_ = loose;
     excess_ = 1.0;
+    leaves_reach_ = false;
   }
 
   bool decideAll(int kept, int count, MinimalRows& result) {
@@ -155,6 +156,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     result.facets.clear();
     result.beyond.clear();
     result.excess = excess_;
+    result.leaves_reach = leaves_reach_;
     for (int i = kept; i < count; ++i) {
       if (state_[i] != RowState::kFacet) continue;
       result.facets.push_back(i);
@@ -210,6 +212,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const int column = stalled > Dictionary<N>::kStallLimit ? dictionary_.fallingColumn(row, true)
                                                               : dictionary_.steepestColumn(row, way);
       if (column < 0) {
+        leaves_reach_ = leaves_reach_ || row[0] < 0.0;
         markRedundant(i);
         return true;
       }
@@ -263,6 +266,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
   double tolerance_ = 0.0;
   LooseRows loose_;
   double excess_ = 1.0;
+  bool leaves_reach_ = false;
 };
 
 template <int N>

@@ -11,6 +11,8 @@ namespace polyfly {
 
 bool maximiseRationally(int dimension, const double* rows, int count, const double* start,
                         const double* direction, double* point) {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  if (!std::all_of(start, start + dimension, is_finite)) return false;
   ExactLp lp;
   lp.setSense(ExactLp::Sense::kMaximise);
   lp.addColumns(dimension);
@@ -21,8 +23,7 @@ bool maximiseRationally(int dimension, const double* rows, int count, const doub
   }
   for (int i = 0; i < count; ++i) {
     const double* const row = rows + static_cast<std::ptrdiff_t>(i) * (dimension + 1);
-    if (!std::all_of(row, row + dimension + 1, [](double value) { return std::isfinite(value); }))
-      return false;
+    if (!std::all_of(row, row + dimension + 1, is_finite)) return false;
     Rational at_start;
     for (int j = 0; j < dimension; ++j) {
       if (row[j] == 0.0) continue;
@@ -40,6 +41,7 @@ bool minimalOneByOne(int kept, int dimension, const double* rows, int count, con
                      double tolerance, const Furthest& furthest, MinimalRows& result) {
   result.facets.clear();
   result.beyond.clear();
+  result.leaves_reach = false;
   const auto n = static_cast<std::size_t>(dimension);
   // Rows that are not implied by others so far.
   std::vector<double> left(rows, rows + static_cast<std::size_t>(count) * (n + 1));
@@ -59,6 +61,7 @@ bool minimalOneByOne(int kept, int dimension, const double* rows, int count, con
       result.beyond.insert(result.beyond.end(), beyond.begin(), beyond.end());
       ++k;
     } else {
+      result.leaves_reach = result.leaves_reach || violation > 0.0;
       const auto first = left.begin() + static_cast<std::ptrdiff_t>(k * (n + 1));
       left.erase(first, first + static_cast<std::ptrdiff_t>(n + 1));
     }

@@ -24,7 +24,6 @@ MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bo
       is_careful_(is_careful),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       solver_(regions.p),
-      by_factors_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),
       point_(static_cast<std::size_t>(regions.p)) {
   if (regions.centres.size() != regions.rows.size() * static_cast<std::size_t>(regions.p))
@@ -125,22 +124,8 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
     return true;  // undecided: it stays on both sides
   }
   const double reach = side * kernels_.distance(normal, point_.data(), p);
-  if (reach <= tolerance_ &&
-      (!is_careful_ || reach < -tolerance::kDoubtfulReach || !reachesByFactors(plane, side)))
-    return false;
+  if (reach <= tolerance_) return false;
   member.points.insert(member.points.end(), point_.begin(), point_.end());
-  return true;
-}
-
-// The same by FloatLp, which factorises the rows themselves: a dictionary may have lost the digits.
-bool MemberSolver::reachesByFactors(std::size_t plane, double side) {
-  const auto width = static_cast<std::ptrdiff_t>(parameters() + 1);
-  by_factors_.clear();
-  for (auto row = rows_.begin(); row != rows_.end(); row += width)
-    by_factors_.add(std::vector<double>(row, row + width));
-  if (by_factors_.maximise(direction_) != FloatLp::Status::kOptimal) return false;
-  if (by_factors_.objective() - side * this->plane(plane)[width - 1] <= tolerance_) return false;
-  point_ = by_factors_.x();
   return true;
 }
 

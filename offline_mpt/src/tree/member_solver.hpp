@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "lp/float_lp.hpp"
 #include "lp/polytope.hpp"
 #include "offline_mpt/search_tree.hpp"
 #include "tree/cell.hpp"
@@ -14,9 +13,8 @@ namespace polyfly {
 /// Answers questions about one part of a region at a time, by linear programming. One object serves one thread.
 class MemberSolver {
  public:
-  /// `side_tolerance` as in TreeOptions. `is_careful`: planes may nearly repeat each other. Sides that a part just does not
-  /// reach are decided once more, to the last digits, and each leaf's rows too. `regions` must outlive the object. Throws
-  /// Error where a region has no centre.
+  /// `side_tolerance` as in TreeOptions. `is_careful`: planes may nearly repeat each other, and each leaf's rows are decided
+  /// once more. `regions` must outlive the object. Throws Error where a region has no centre.
   MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful = false);
 
   /// The whole region, within the box.
@@ -60,7 +58,6 @@ class MemberSolver {
   void gatherRows(const CellMember& member);
   void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
-  bool reachesByFactors(std::size_t plane, double side);
   void settle(CellMember& member);
   bool castRay(CellMember& member, std::size_t bound) const;
   void decide(CellMember& member);
@@ -74,7 +71,6 @@ class MemberSolver {
   bool is_careful_;
   PlaneSides kernels_;
   PolytopeSolver solver_;
-  FloatLp by_factors_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
   std::vector<double> slacks_;

@@ -39,9 +39,6 @@ constexpr double kSameAsBox = 1e-12;
 /// Where no member reaches further across a plane, the cell would have a flat side [scaled].
 constexpr double kFlatCell = 1e-7;
 
-/// Error of a reach that is computed by a dictionary of rows that nearly repeat each other is less [scaled].
-constexpr double kDoubtfulReach = 1e-10;
-
 /// Least radius of a ball in each cell, where rows of the program nearly repeat each other: three planes that nearly share
 /// a line would enclose cells as thin as the noise of the rows. By rounding, parameters arrive beyond such a cell at a
 /// distance of its diameter times kMissedPlane over this radius: about kMembership [scaled].
