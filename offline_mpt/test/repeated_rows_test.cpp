@@ -148,8 +148,8 @@ TEST(RepeatedRows, NoCellIsSoThinThatItsRegionsAreLost) {
   }
 }
 
-// The dictionary of the tree loses that a region reaches 5e-12 across a plane.
-TEST(RepeatedRows, WhatReachesIntoACellIsDecidedByFactors) {
+// A dictionary that drifted away from its rows once lost that a region reaches 5e-12 across a plane.
+TEST(RepeatedRows, WhatReachesIntoACellIsDecidedToTheLastDigits) {
   expectProven(repeatedThrice(122, 3, 1e-10, {4, 9, 4}));
 }
 

@@ -103,6 +103,7 @@ FloatLp::Status FloatLp::maximise(const std::vector<double>& c) {
       }
       return Status::kInfeasible;
     }
+    ++pivots_;
     basis_[leaving] = row;
     rows.col(leaving) = entering;
     bounds(leaving) = bound;

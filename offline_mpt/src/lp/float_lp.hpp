@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,9 @@ class FloatLp {
   /// Rows that are tight where it stopped, as many as dimensions.
   const std::vector<int>& basis() const { return basis_; }
 
+  /// Simplex pivots since construction.
+  std::uint64_t pivots() const { return pivots_; }
+
   /// Index in weights() and basis() of x_(index / 2) <= 1 (even), >= -1 (odd).
   int boxIndex(int index) const { return count() + index; }
 
@@ -42,6 +46,7 @@ class FloatLp {
   std::vector<double> x_;
   std::vector<int> basis_;
   double objective_ = 0.0;
+  std::uint64_t pivots_ = 0;
   std::vector<std::pair<int, double>> weights_;
 };
 

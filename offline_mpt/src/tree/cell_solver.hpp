@@ -24,6 +24,9 @@ class CellSolver {
   /// tolerance::kMostCornerShift times the distance by which they miss planes.
   bool hasSharpCorner(const Cell& cell, std::size_t plane, unsigned side);
 
+  /// Simplex pivots since construction.
+  std::uint64_t pivots() const { return deeper_solver_.pivots() + corners_.pivots(); }
+
  private:
   std::size_t parameters() const { return static_cast<std::size_t>(regions_.p); }
   void gatherRows(const Cell& cell, std::size_t plane, unsigned side);

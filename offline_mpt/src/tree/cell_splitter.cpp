@@ -109,7 +109,7 @@ std::size_t CellSplitter::testsBesides(const CellMember& member, std::size_t pla
 
 std::uint64_t CellSplitter::pivots() const {
   std::uint64_t sum = 0;
-  for (const Solvers& solvers : solvers_) sum += solvers.members.pivots();
+  for (const Solvers& solvers : solvers_) sum += solvers.pivots();
   return sum;
 }
 

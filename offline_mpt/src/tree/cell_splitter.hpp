@@ -47,13 +47,15 @@ class CellSplitter {
 
   /// Simplex pivots of all threads, or of one.
   std::uint64_t pivots() const;
-  std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].members.pivots(); }
+  std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].pivots(); }
 
  private:
   /// What a thread asks.
   struct Solvers {
     MemberSolver members;
     CellSolver cells;
+
+    std::uint64_t pivots() const { return members.pivots() + cells.pivots(); }
   };
 
   /// The rows to test that a plane leaves on its sides.
