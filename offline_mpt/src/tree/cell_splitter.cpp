@@ -74,8 +74,7 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
       least_cell_(options.least_cell),
       least_angle_(std::max(options.least_angle, tolerance::kSharpAngle)) {
   for (int k = 0; k < threads_; ++k)
-    solvers_.push_back(
-        {MemberSolver(regions, options.side_tolerance, least_cell_ > 0.0), CellSolver(regions)});
+    solvers_.push_back({MemberSolver(regions, options.side_tolerance), CellSolver(regions)});
 }
 
 Cell CellSplitter::whole() {

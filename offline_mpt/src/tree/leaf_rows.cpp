@@ -9,10 +9,10 @@
 namespace polyfly {
 
 // Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
-// tolerance. Mostly the splits on the way have shown that no row is, see CellMember::excess; where planes nearly repeat each
-// other, dictionaries may have lost the digits of that. Otherwise one look at all of them may show it.
+// tolerance. Mostly the splits on the way have shown that no row is, see CellMember::excess. Otherwise one look at all of
+// them may show it.
 void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
-  if (!is_careful_ && member.excess <= tolerance::kUntestedReach) return;
+  if (member.excess <= tolerance::kUntestedReach) return;
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
   for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : tolerance::kMissedPlane);

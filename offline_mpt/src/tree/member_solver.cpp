@@ -18,10 +18,9 @@ double sign(unsigned side) { return side == kBelow ? -1.0 : 1.0; }
 
 }  // namespace
 
-MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful)
+MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance)
     : regions_(regions),
       tolerance_(side_tolerance),
-      is_careful_(is_careful),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       solver_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),

@@ -13,9 +13,8 @@ namespace polyfly {
 /// Answers questions about one part of a region at a time, by linear programming. One object serves one thread.
 class MemberSolver {
  public:
-  /// `side_tolerance` as in TreeOptions. `is_careful`: planes may nearly repeat each other, and each leaf's rows are decided
-  /// once more. `regions` must outlive the object. Throws Error where a region has no centre.
-  MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful = false);
+  /// `side_tolerance` as in TreeOptions. `regions` must outlive the object. Throws Error where a region has no centre.
+  MemberSolver(const TreeRegions& regions, double side_tolerance);
 
   /// The whole region, within the box.
   CellMember whole(std::uint32_t region);
@@ -68,7 +67,6 @@ class MemberSolver {
 
   const TreeRegions& regions_;
   double tolerance_;
-  bool is_careful_;
   PlaneSides kernels_;
   PolytopeSolver solver_;
   MinimalRows minimal_;
