@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "files.hpp"
 #include "json_problem.hpp"
 

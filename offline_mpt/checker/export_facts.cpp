@@ -1,6 +1,6 @@
 #include <cstdlib>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "export_bound.hpp"
 #include "lookup_work.hpp"
 

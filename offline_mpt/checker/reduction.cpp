@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 
 namespace checker {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "core/certificate.hpp"
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "json_problem.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <random>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "core/text.hpp"
 #include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <utility>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "json_problem.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/certify.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "exact_programs.hpp"
 #include "grid_map.hpp"
 #include "map_in_memory.hpp"

@@ -2,7 +2,7 @@
 // ones are refuted as ever.
 #include <gtest/gtest.h>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 #include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/certify.hpp"

@@ -11,10 +11,9 @@
 
 namespace polyfly_ros {
 
-/// Records topics to a bag without loss. `rosbag record` keeps at most 100 unread messages per topic, which a
-/// flight in lockstep, many times faster than real time, can exceed; the queues here are unbounded. The
-/// flight waits for `recorder/ready` and the end of the flight for `recorder/closed`. Topics and parameters:
-/// test/README.md.
+/// Records topics to a bag without loss. `rosbag record` keeps at most 100 unread messages per topic. A flight in
+/// lockstep, many times faster than real time, can exceed that. The queues here are unbounded. The flight waits for
+/// `recorder/ready` and the end of the flight for `recorder/closed`. Topics and parameters: test/README.md.
 class FlightRecorder {
  public:
   /// Opens the bag as `FILE.active`, which becomes FILE at the end of a whole flight. Throws polyfly::Error

@@ -17,9 +17,9 @@
 
 namespace polyfly_ros {
 
-/// Measures how long a controller takes from odometry to command: publishes odometry at a fixed rate of wall
-/// time from a thread of its own and waits for the command with the same stamp. Leaves its figures as JSON in
-/// the file `output`. Parameters: test/README.md.
+/// Measures how long a controller takes from odometry to command. Publishes odometry at a fixed rate of wall time
+/// from a thread of its own, and waits for the command with the same stamp. Leaves its figures as JSON in the file
+/// `output`. Parameters: test/README.md.
 class LatencyProbe {
  public:
   LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);

@@ -16,9 +16,9 @@
 
 namespace polyfly_ros {
 
-/// The node as a soak flies it: in this process, over its topics and services, in lockstep with simulated
-/// time, which is set here. Each odometry and, once silence is noticed, each control period is waited for
-/// until its status has come; the command, published before it, has come by then.
+/// The node as a soak flies it: in this process, over its topics and services, in lockstep with simulated time, which
+/// is set here. Each odometry and, once silence is noticed, each control period is waited for until its status has
+/// come. The command, published before it, has come by then.
 class NodeSoak final : public polyfly_test::SoakController {
  public:
   /// `maps`: folders of multirotor_AXIS.map and aslquad_AXIS.map. Sets the node's private parameters and starts it at time zero.

@@ -18,9 +18,9 @@
 
 namespace polyfly_ros {
 
-/// The simulated vehicle. It owns the time of the flight: it publishes /clock and odometry, and in lockstep
-/// waits for the command that bears the odometry's stamp before time goes on, and until the controller's
-/// statuses are no more than a few samples behind. Topics and parameters: test/README.md.
+/// The simulated vehicle. It owns the time of the flight: it publishes /clock and odometry. In lockstep it waits for
+/// the command that bears the odometry's stamp before time goes on. It also waits until the controller's statuses are
+/// no more than a few samples behind. Topics and parameters: test/README.md.
 class PlantNode {
  public:
   /// Throws polyfly::Error when a parameter breaks its rule.

@@ -24,9 +24,9 @@ struct ProbeTimes {
   void write(std::ostream& file) const;
 };
 
-/// The turns of two who share a clock: `length` seconds of calm, then as many under load, and so on; 0: each
-/// does always what it is there for. How a turn begins belongs to neither: what the one before set going is
-/// still under way.
+/// The alternating turns of two programs by one clock: `length` seconds of calm, then as many under load, and so on.
+/// With 0 there are no turns: each program does its task all the time. How a turn begins belongs to neither: what the
+/// one before set going is still under way.
 class Turns {
  public:
   enum class Turn { kCalm, kLoaded, kChanging };

@@ -4,8 +4,8 @@
 
 namespace polyfly {
 
-/// When tracking counts as not converging. An aircraft whose model or weights do not fit flies around its path without
-/// end; it does not come nearer from one turn to the next.
+/// When tracking counts as not converging. An aircraft whose model or weights do not fit flies around its path
+/// without end. It does not come nearer from one turn to the next.
 struct ConvergenceOptions {
   /// Time of flight that an aircraft on its path may be away from it [s].
   double near_time = 0.5;
@@ -20,9 +20,9 @@ struct TurnAbility {
   double gravity = 9.81;
 };
 
-/// Watches the offset d = |e_t| + R (1 - cos e_chi): the distance, and what a turn of radius R = v^2 / (g tan(phi)) onto
-/// the path's course adds to it. On the path, d is below near_time v. On the way to it, d falls by that much again and
-/// again. Where neither is the case for the time limit, tracking does not converge.
+/// Watches the offset d = |e_t| + R (1 - cos e_chi). It is the distance, and what a turn of radius R = v^2 / (g
+/// tan(phi)) onto the path's course adds to it. On the path, d is below near_time v. On the way to it, d falls by
+/// that much again and again. Where neither is the case for the time limit, tracking does not converge.
 class ConvergenceWatch {
  public:
   /// Begins anew, as at the begin of a segment.

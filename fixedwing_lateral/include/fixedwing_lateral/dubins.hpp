@@ -37,9 +37,9 @@ struct DubinsPath {
 // The poses must be finite and the radius [m] positive; planDubins checks it, the others trust it. They
 // neither allocate nor throw.
 
-/// The path of one word, if the word can join the poses: LSR and RSL need the circles that they join to lie
-/// at least 2 radii apart between centres, RLR and LRL at most 4. Of the two middle arcs of RLR and LRL the
-/// one of more than half a turn is taken; the other is never part of a shortest path.
+/// The path of one word, if the word can join the poses. LSR and RSL need the centres of the circles that they join
+/// at least 2 radii apart. RLR and LRL need them at most 4 radii apart. Of the two middle arcs of RLR and LRL the one
+/// of more than half a turn is taken. The other is never part of a shortest path.
 std::optional<DubinsPath> dubinsPath(DubinsWord word, const PathPose& from, const PathPose& to,
                                      double radius) noexcept;
 

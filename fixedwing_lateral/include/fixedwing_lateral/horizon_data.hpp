@@ -8,9 +8,9 @@ namespace polyfly {
 /// The direction of the turn for a course error of nearly half a turn. kNone: as the error is wrapped (Eq. 49). Else
 /// errors of up to 240 degrees to one side stay on that side, and e_t does not count.
 ///
-/// With kNone alone, noise would select the side anew in each call and at each node. From 20 m/s on, flying in the wrong
-/// direction beside the path is a local optimum: a turn costs more in e_t, which grows to two radii, than it gains in
-/// e_chi.
+/// With kNone alone, noise would select the side anew in each call and at each node. From 20 m/s on, flying in the
+/// wrong direction beside the path is a local optimum. A turn costs more in e_t, which grows to two radii, than it
+/// gains in e_chi.
 enum class Reversal : std::int8_t { kLeft = -1, kNone = 0, kRight = 1 };
 
 /// Shift of the course error's range [rad].

@@ -48,14 +48,13 @@ struct Interval {
 ///     min  sum_k 1/2 x_k'Q_k x_k + q_k'x_k + 1/2 R_k u_k^2 + r_k u_k + rho sum_k (excess of phi_k)
 ///     s.t. x_{k+1} = A_k x_k + B_k u_k + gap_k,  u_k within its bounds
 ///
-/// The roll bounds are relaxed by an l1 term: with rho above the multipliers of the hard problem, the
-/// solution is that of the hard problem where one exists, and the least sum of excesses where none does. So
-/// the problem always has a solution.
+/// The roll bounds are relaxed by an l1 term. Let rho be above the multipliers of the hard problem. Then the solution
+/// is that of the hard problem where one exists, and the least sum of excesses where none does. So the problem always
+/// has a solution.
 ///
-/// The moves without bounds come from a Riccati recursion, linear in N. The bounds are met by a dual
-/// active-set method (Goldfarb and Idnani, 1983) with multipliers in [-rho, rho]; one response of the moves
-/// to a unit multiplier costs another O(N), and is made only for bounds that come into play. One object
-/// serves one thread.
+/// The moves without bounds come from a Riccati recursion, linear in N. The bounds are met by a dual active-set
+/// method (Goldfarb and Idnani, 1983) with multipliers in [-rho, rho]. One response of the moves to a unit multiplier
+/// costs another O(N). It is made only for bounds that come into play. One object serves one thread.
 class HorizonQp {
  public:
   /// N >= 1 moves. Allocates here only; throws std::bad_alloc.

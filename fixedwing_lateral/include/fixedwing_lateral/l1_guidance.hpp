@@ -17,12 +17,12 @@ struct L1Options {
 double l1RollReference(const PathSegment& segment, const Eigen::Vector2d& position,
                        const Eigen::Vector2d& ground_velocity, const L1Options& options) noexcept;
 
-/// The least period with which an aircraft can turn onto a path that it crosses at a right angle [s]: then L1 is the
+/// The least period with which an aircraft can turn onto a path that it crosses at a right angle [s]. Then L1 is the
 /// radius of its turn, so period = pi v / (damping g tan(phi)). 8.5 s at 14 m/s with 35 degrees, 31.7 s at 52 m/s.
 double leastL1Period(double ground_speed, const L1Options& options) noexcept;
 
-/// The guidance of many autopilots, to compare with: towards a point of the path at the distance L1 ahead, by
-/// the lateral acceleration 2 v^2 / L1 sin(eta) of the ground velocity (Park, Deyst and How, 2004), L1 in
+/// The guidance of many autopilots, to compare with (Park, Deyst and How, 2004). It steers towards a point of the
+/// path at the distance L1 ahead. The lateral acceleration of the ground velocity is 2 v^2 / L1 sin(eta), with L1 in
 /// proportion to the ground speed. It sees one segment and no roll dynamics. Missions as in LateralGuidance, with the
 /// published switch condition at each corner; no failsafe policy.
 class L1Guidance {

@@ -66,8 +66,8 @@ class LateralNmpc {
   /// Begins anew: nodes from `state` with the roll reference held, which also becomes the previous horizon.
   void reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept;
 
-  /// The previous horizon, from which slew is counted: the present moves, read `steps` later (between 0 and
-  /// N; moves between two are interpolated, those past the end are the last).
+  /// The previous horizon, from which slew is counted. It has the present moves, read `steps` later (between 0 and
+  /// N). Moves between two are interpolated, those past the end are the last.
   void keepAsPrevious(double steps) noexcept;
 
   /// After the flown segment changed, so that no node counts as switched: x_sw of all nodes becomes 0.

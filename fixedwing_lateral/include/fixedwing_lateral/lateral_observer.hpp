@@ -47,9 +47,9 @@ class GainBiasFilter {
 /// loop, and gain and bias of its turn rate (slip, a tilted attitude sensor). With it the prediction ends
 /// where the aircraft does, and circles have no steady offset.
 ///
-/// Compares what happened in each second with what the model would have made of it, integrated, so that
-/// neither acceleration nor turn rate need be measured. There is no integral of a tracking error: nothing
-/// winds up where the roll reference is at its bound, and a bounded estimate stays within its bounds.
+/// Compares what happened in each second with what the model would have made of it. Both are integrated, so that
+/// neither acceleration nor turn rate need be measured. There is no integral of a tracking error. So nothing winds up
+/// where the roll reference is at its bound, and a bounded estimate stays within its bounds.
 class LateralObserver {
  public:
   /// `turn_gain` is the estimate to begin with.

@@ -72,9 +72,10 @@ void visitLateralParameters(Parameters& parameters, Visit&& visit) {
 /// after `where`.
 void finishParameters(LateralParameters* parameters, const std::string& where);
 
-/// How missions are planned and checked: for the nominal airspeed, the stronger of the expected and the present wind,
-/// the roll that `turn_share` of the roll reference holds with the roll bias that was learnt, and the turn gain, turn bias
-/// and roll loop of this aircraft. Where its greatest roll rate is not set, presumedRollRate counts.
+/// How missions are planned and checked. Airspeed is the nominal one, wind the stronger of the expected and the
+/// present one. The roll is that which `turn_share` of the roll reference holds with the roll bias that was learnt.
+/// Turn gain, turn bias and roll loop are those of this aircraft. Where its greatest roll rate is not set,
+/// presumedRollRate counts.
 TurnPlan turnPlanOf(const LateralParameters& parameters, const GuidanceOutput& present);
 
 /// The parameters in a YAML file, by the rules of the node. Throws Error naming file, field and rule where the node

@@ -32,10 +32,10 @@ Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loit
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
                        const std::string& where);
 
-/// Where an aircraft is in its mission. Advances where the switch condition is met, and where the end of a
-/// segment was passed without meeting it (beside the acceptance radius, or in another direction); and where
-/// an end was missed twice, coming near it and leaving again, as happens where the segments do not join or
-/// cannot be flown.
+/// Where an aircraft is in its mission. Advances where the switch condition is met. Also where the end of a segment
+/// was passed without meeting it (beside the acceptance radius, or in another direction). Also where an end was
+/// missed twice: the aircraft came near it and left again. That happens where the segments do not join or cannot be
+/// flown.
 class MissionTrack {
  public:
   /// One gate for each segment. Throws polyfly::Error like SwitchGate.

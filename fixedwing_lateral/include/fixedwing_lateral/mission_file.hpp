@@ -22,9 +22,8 @@ namespace polyfly {
 /// A part begins where the one before ends, within kPartGap; a circle may lie anywhere. Without a circle at
 /// the end the mission ends in a loiter: the file's, else `loiter`.
 ///
-/// With `turns` (the file's, else `turns`) a mission that asks for more roll in that wind from any direction
-/// is refused
-/// (`tight: refuse`, the default), or Dubins paths and loiters are widened (`tight: widen`); a Dubins part
+/// With `turns` (the file's, else `turns`), a mission may ask for more roll in that wind from any direction. It is
+/// refused (`tight: refuse`, the default), or Dubins paths and loiters are widened (`tight: widen`). A Dubins part
 /// without a radius gets the least one.
 ///
 /// Throws polyfly::Error `source:line: field: rule`. `source` names the text in complaints.

@@ -77,9 +77,8 @@ void checkModel(const LateralModel& model, const std::string& where);
 /// (n', e') [m/s].
 Eigen::Vector2d groundVelocity(const LateralConditions& conditions, double heading) noexcept;
 
-/// The roll [rad] at which Eq. 45 turns along a path of that curvature [1/m, positive to the right], at a
-/// ground speed [m/s] and a cosine of the angle between heading and course, which must be positive: see
-/// turn_limits.hpp.
+/// The roll [rad] at which Eq. 45 turns along a path of that curvature [1/m, positive to the right], at a ground
+/// speed [m/s]. The cosine of the angle between heading and course must be positive: see turn_limits.hpp.
 double rollOfTurn(double curvature, double ground_speed, double crab_cosine,
                   const LateralConditions& conditions, double gravity) noexcept;
 

@@ -84,16 +84,16 @@ struct TrackError {
   bool course_defined = false;  ///< false below kLeastGroundSpeed; e_chi is 0 then
 };
 
-/// Derivatives of a TrackError. Those by the position hold for any path: a foot that moves along the path
-/// turns the tangent, but does not change the distance to first order.
+/// Derivatives of a TrackError. Those by the position hold for any path. A foot that moves along the path turns the
+/// tangent, but does not change the distance to first order.
 struct TrackErrorJacobian {
   Eigen::Vector2d track_by_position = Eigen::Vector2d::Zero();   ///< [-]
   Eigen::Vector2d course_by_position = Eigen::Vector2d::Zero();  ///< [rad/m]
   Eigen::Vector2d course_by_velocity = Eigen::Vector2d::Zero();  ///< [rad s/m], ground velocity
 };
 
-/// Nearer to the centre of curvature than this share of the radius, the course of the foot turns so fast that
-/// its derivative says nothing of the next metre: it is limited to its value there.
+/// Nearer to the centre of curvature than this share of the radius, the course of the foot turns fast. Its derivative
+/// then says nothing of the next metre. So it is limited to its value at this share.
 constexpr double kLeastCentreShare = 0.1;
 
 /// The same angle in [-pi, pi).
@@ -102,14 +102,13 @@ double wrapCourse(double angle) noexcept;
 /// Throws polyfly::Error, beginning with `where`, if the segment breaks a rule stated above.
 void checkSegment(const PathSegment& segment, const std::string& where);
 
-/// The segment's nearest point. An arc ends: off its sweep the nearer end is the nearest point, so that e_t
-/// continues as the distance from the tangent there, and steps only in two places: midway between the ends
-/// (the end wins a tie) and at the centre (the entrance point stands in for all). A loiter has no ends; in
-/// its centre the point north of it stands in.
+/// The segment's nearest point. Off the sweep of an arc, its nearer end is the nearest point. So e_t continues as the
+/// distance from the tangent there. It steps only in two places. Midway between the ends, the end wins a tie. At the
+/// centre, the entrance point stands in for all. A loiter has no ends; in its centre the point north of it stands in.
 ClosestPoint closestPoint(const PathSegment& segment, const Eigen::Vector2d& position) noexcept;
 
-/// The nearest point of the line or circle that the segment is part of, as if it had no ends: e_t and e_chi
-/// are smooth past them, which an optimisation wants. `remaining` is infinite.
+/// The nearest point of the line or circle that the segment is part of, as if it had no ends. e_t and e_chi are
+/// smooth past them, as an optimisation needs. `remaining` is infinite.
 ClosestPoint closestOnCarrier(const PathSegment& segment, const Eigen::Vector2d& position) noexcept;
 
 /// Eq. 48 and 49 for any path that can tell its nearest point and the tangent there.

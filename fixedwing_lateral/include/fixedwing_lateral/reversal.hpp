@@ -6,9 +6,9 @@
 
 namespace polyfly {
 
-/// Decides which way an aircraft turns that flies against its path, and stays with it until it has turned. An
-/// error near half a turn is no reason for either side, so the side is that of the path or, on the path, the
-/// one that the wind comes from, which then brings the aircraft back; a smaller error decides by itself.
+/// Decides which way an aircraft turns that flies against its path, and stays with it until it has turned. An error
+/// near half a turn is no reason for either side. Then the side is that of the path. On the path it is the one that
+/// the wind comes from, as the wind then brings the aircraft back. A smaller error decides by itself.
 class ReversalChoice {
  public:
   /// `error` at the state, of which only the course is used, `to_path` from the aircraft to the nearest point
@@ -29,8 +29,8 @@ class ReversalChoice {
 struct Junction {
   /// Of a turn that begins now. kNone unless the segment leads back, and the aircraft's course is still against it.
   Reversal reversal = Reversal::kNone;
-  /// It is not shown to the optimisation before it begins where it leads back or lies elsewhere: there is no
-  /// corner to cut, and the horizon would do what it can to stay off the gate.
+  /// False: the optimisation does not get the segment before it begins. That is so where it leads back or lies
+  /// elsewhere. There is no corner to cut, and the horizon would avoid the switch condition.
   bool is_shown = true;
 };
 
@@ -42,8 +42,9 @@ struct SteadyTurn {
   PathPoint start;                                 ///< position and course
 };
 
-/// Where the path leads back, the turn goes to the side on which it ends nearer to the next segment's line: the wind moves the
-/// aircraft all through the turn. `reach` [m]: how far from the end the next segment may begin, to be shown.
+/// Where the path leads back, the turn goes to the side on which it ends nearer to the next segment's line. The wind
+/// moves the aircraft all through the turn. `reach` [m]: how far from the end the next segment may begin, to be
+/// shown.
 Junction junctionOf(const PathSegment& segment, const PathSegment& next, const SteadyTurn& turn,
                     double reach) noexcept;
 

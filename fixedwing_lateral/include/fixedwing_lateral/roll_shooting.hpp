@@ -16,9 +16,8 @@ struct ShootingResult {
   double switch_rise = 0.0;
 };
 
-/// The Runge-Kutta step of model.hpp with its derivatives, using that the roll loop is linear, that psi
-/// depends on roll alone and the position on psi alone: the numbers of `integrate` (tested) for a tenth of
-/// the work.
+/// The Runge-Kutta step of model.hpp with its derivatives. It uses that the roll loop is linear, that psi depends on
+/// roll alone, and the position on psi alone. The numbers are those of `integrate` (tested) for a tenth of the work.
 class RollShooting {
  public:
   RollShooting(const LateralModel& model, double step) noexcept;

@@ -34,10 +34,10 @@ constexpr double kSharpestBisected = 160.0 / 180.0 * kPi;
 
 /// The switch condition of one segment, made ready for the horizon.
 ///
-/// Met where the position lies within the acceptance radius of the segment's end and the ground velocity
-/// within the tolerance of the segment's direction there. An arc of most of a circle begins near its own end;
-/// so besides, what remains of the segment must not exceed pi/2 times the acceptance radius (half a circle on
-/// it as diameter), which holds by itself on lines and on the last half turn of an arc.
+/// Met where the position lies within the acceptance radius of the segment's end and the ground velocity within the
+/// tolerance of the segment's direction there. An arc of most of a circle begins near its own end. So besides, what
+/// remains of the segment must not exceed pi/2 times the acceptance radius (half a circle on it as diameter). That
+/// holds by itself on lines and on the last half turn of an arc.
 class SwitchGate {
  public:
   /// Never met: on the last segment, and on a loiter.
@@ -47,12 +47,13 @@ class SwitchGate {
   /// the criterion is out of its range.
   SwitchGate(const PathSegment& segment, const SwitchCriterion& criterion, const std::string& where);
 
-  /// The next segment begins at this one's end, in the direction `onward` (a unit vector). Then the condition is also that
-  /// the position lies beyond the line that halves the angle between both segments, where the next one is the nearer. The
-  /// course may be any between both directions, with the tolerance. The turn onto both needs more room at a sharper corner, so
-  /// the acceptance radius is divided by the cosine of half the angle. A sharp corner is bisected only where that radius is at
-  /// most `room` [m], and below kSharpestBisected. Elsewhere it is switched as published, on a radius that fits the speed.
-  /// A corner that is bisected stays so until the radius is 1.5 times `room`: noise of the airspeed does not decide.
+  /// The next segment begins at this one's end, in the direction `onward` (a unit vector). Then the position must
+  /// also lie beyond the line that halves the angle between both segments, where the next one is the nearer. The
+  /// course may be any between both directions, with the tolerance. The turn onto both needs more room at a sharper
+  /// corner, so the acceptance radius is divided by the cosine of half the angle. A sharp corner is bisected only
+  /// where that radius is at most `room` [m], and below kSharpestBisected. Elsewhere it is switched as published, on
+  /// a radius that fits the speed. A corner that is bisected stays so until the radius is 1.5 times `room`: noise of
+  /// the airspeed does not decide.
   void bisect(const Eigen::Vector2d& onward, double room) noexcept;
 
   bool isBisected() const noexcept {

@@ -16,9 +16,9 @@ struct StageTerms {
   double track_error = 0.0;
 };
 
-/// The stage cost of Eq. 46 without its moves: |(e_t, e_chi, phi, p)|^2 in the weights, towards the segment
-/// that the state belongs to: the next one where x_sw is past its threshold or the switch condition is met,
-/// else the current. A view of what it is made from.
+/// The stage cost of Eq. 46 without its moves: |(e_t, e_chi, phi, p)|^2 in the weights, towards the segment that the
+/// state belongs to. That is the next one where x_sw is past its threshold or the switch condition is met, else the
+/// current. A view of what it is made from.
 class TrackingCost {
  public:
   TrackingCost(const LateralModel& model, const HorizonData& data, const LateralWeights& weights) noexcept

@@ -23,10 +23,9 @@ struct LateralWeights {
   /// Share of the roll that the path's curvature asks for in this wind, from which phi and phi_r are counted,
   /// taken at the nodes. 0 as published: then a circle is flown a little outside, for the roll's sake.
   double feedforward = 0.0;
-  /// Share of the curvature of the motion (position by heading) in the quadratic program's Hessian, where it
-  /// is convex. 0 as published: Gauss-Newton. Farther from a path than the horizon reaches, its steps
-  /// overshoot, and the roll reference jumps from bound to bound at each call; on the path there is no
-  /// difference.
+  /// Share of the curvature of the motion (position by heading) in the quadratic program's Hessian, where it is
+  /// convex. 0 as published: Gauss-Newton. Farther from a path than the horizon reaches, its steps overshoot, and the
+  /// roll reference jumps from bound to bound at each call. On the path there is no difference.
   double curvature = 0.0;
   /// Airspeed that the weights and the horizon's length belong to; above it they are scaled, see
   /// speed_scaling.hpp. 0 as published: they are never scaled [m/s].

@@ -15,25 +15,25 @@ namespace polyfly {
 //     psi' = chi' v_g / (V cos(psi - chi)),   so by Eq. 45   tan(phi) = V psi' / g = v_g^2 k / (g cos(psi -
 //     chi)).
 //
-// The derivative of the right hand side by the angle between course and wind is never positive between 0 and
-// pi, so a circle asks for most roll where it is flown downwind: tan(phi) = (V + |w|)^2 / (g R). Hence the
-// least radius
+// The derivative of the right hand side by the angle between course and wind is never positive between 0 and pi. So a
+// circle asks for most roll where it is flown downwind: tan(phi) = (V + |w|)^2 / (g R). Hence the least radius
 //
 //     R = (V + |w|)^2 / (g tan(phi_most)),
 //
 // 28.5 m at 14 m/s in calm and 64.2 m in a wind of 7 m/s, by 35 degrees. An aircraft that turns by turn_gain g tan(phi) /
 // V + turn_bias needs tan(phi) = (v_g^2 k / cos(psi - chi) - V turn_bias) / (g turn_gain).
 //
-// Which changes of curvature can be flown. Where two segments meet, the roll would have to jump from phi_1 to phi_2. The
-// roll loop spreads the jump by its impulse response, and the greatest roll rate p spreads it by a ramp of (phi_2 -
-// phi_1) / p. A jump a = g turn_gain (tan phi_2 - tan phi_1) of the lateral acceleration that is spread with the
-// variance c, and that begins early by the mean delay, ends on the right course and beside the path by
+// Which changes of curvature can be flown. Where two segments meet, the roll would have to jump from phi_1 to phi_2.
+// The roll loop spreads the jump by its impulse response, and the greatest roll rate p spreads it by a ramp of
+// (phi_2 - phi_1) / p. Let a = g turn_gain (tan phi_2 - tan phi_1) be the jump of the lateral acceleration. It is
+// spread with the variance c, and begins early by the mean delay. The aircraft ends on the right course and beside
+// the path by
 //
 //     d = a c / 2,   c = (phi_2 - phi_1)^2 / (12 p^2) + max(0, (a1 / a0)^2 - 2 / a0),
 //
 // as the second moment of the response is what its double integral leaves. The second term is the variance of the
-// roll loop of Eq. 45. From one turn to an opposite one d is 0.5 m for the default loop with 35 degrees, and 35 m for a
-// loop that rolls by 9 deg/s. Therefore a path with a bound of d needs wider turns.
+// roll loop of Eq. 45. From one turn to an opposite one, d is 0.5 m for the default loop with 35 degrees. It is 35 m
+// for a loop that rolls by 9 deg/s. Therefore a path with a bound of d needs wider turns.
 //
 // Where the greatest roll rate is not known, nothing is known of the roll loop at this airspeed. Turns are then planned with
 // a presumed rate: low, so that aircraft with slower loops than the Techpod's stay within the bound too. It falls with the
@@ -70,23 +70,23 @@ double rollVariance(const LateralModel& model) noexcept;
 /// The deviation d [m] where the roll changes between two angles [rad].
 double deviationOf(double from, double to, const TurnConditions& conditions) noexcept;
 
-/// The greatest roll for planned turns [rad]: that of the conditions, or less where a turn followed by the opposite one
-/// would deviate by more than the bound.
+/// The greatest roll for planned turns [rad]. It is that of the conditions, or less where a turn followed by the
+/// opposite one would deviate by more than the bound.
 double plannedRoll(const TurnConditions& conditions) noexcept;
 
 /// Throws polyfly::Error, beginning with `where`, if a number is out of its range.
 void checkTurns(const TurnConditions& conditions, const std::string& where);
 
-/// Of the circles that can be flown all around, by the planned roll [m]; infinite where there is none, as in a wind that
-/// is not below the airspeed.
+/// Of the circles that can be flown all around, by the planned roll [m]. Infinite where there is none, as in a wind
+/// that is not below the airspeed.
 double leastRadius(const TurnConditions& conditions) noexcept;
 
 /// The roll [rad] that staying on the segment asks for where it is curved most, with the wind from the worst
-/// direction; 0 on a line, pi/2 where the wind is not below the airspeed.
+/// direction. 0 on a line, pi/2 where the wind is not below the airspeed.
 double steepestRoll(const PathSegment& segment, const TurnConditions& conditions);
 
-/// The same with the conditions of a horizon, of whose wind the direction is known: on an arc the course
-/// nearest to downwind counts, on a curve only the place nearest to `position`. Allocates nothing.
+/// The same with the conditions of a horizon, of whose wind the direction is known. On an arc the course nearest to
+/// downwind counts, on a curve only the place nearest to `position`. Allocates nothing.
 double steepestRoll(const PathSegment& segment, const Eigen::Vector2d& position,
                     const LateralConditions& conditions, double gravity) noexcept;
 

@@ -43,9 +43,9 @@ class ChapterAircraft : public Aircraft {
   double north_ = 0.0, east_ = 0.0, roll_ = 0.0, heading_ = 0.0, rate_ = 0.0;
 };
 
-/// What the controller does not know: a roll loop of other constants with delay, rate limit and trim error; a
-/// turn that follows roll with a lag and not quite in coordination; airspeed and altitude loops that a banked
-/// wing disturbs; gusts.
+/// What the controller does not know. The roll loop has other constants, delay, rate limit and trim error. A turn
+/// follows roll with a lag and not quite in coordination. A banked wing disturbs the loops of airspeed and altitude.
+/// There are gusts.
 struct RoughOptions {
   /// Natural frequency of the roll loop [rad/s].
   double roll_frequency = 5.0;

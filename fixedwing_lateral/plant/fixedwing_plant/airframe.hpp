@@ -14,9 +14,9 @@ struct Controls {
   double throttle = 0.0;  ///< [-], 0 to 1
 };
 
-/// A rigid aircraft and its aerodynamics, in the body's axes (forward, right, down). The values are those
-/// published for the Techpod (2.6 m span) with the simulator RotorS: fw_parameters.h for geometry,
-/// coefficients and limits, techpod.xacro for the masses, summed, and the inertia.
+/// A rigid aircraft and its aerodynamics, in the body's axes (forward, right, down). The values are those published
+/// for the Techpod (2.6 m span) with the simulator RotorS. Geometry, coefficients and limits are from
+/// fw_parameters.h. The masses, summed, and the inertia are from techpod.xacro.
 struct Airframe {
   double mass = 2.75;  ///< [kg]
   /// Moments of inertia about x, y, z [kg m^2].

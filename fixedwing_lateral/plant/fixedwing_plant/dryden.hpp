@@ -24,8 +24,8 @@ DrydenOptions lowAltitudeDryden(double altitude, double wind_at_6m, double span)
 
 /// Draws gusts. The steps are exact, whatever their length, and the first gust is one of the steady process.
 ///
-/// With w = V / L: sigma sqrt(2 w) / (s + w) along, sigma sqrt(w) (w + sqrt(3) s) / (s + w)^2 across, driven
-/// by white noise of unit intensity; the roll gusts are as those along, with w = pi V / (4 b).
+/// With w = V / L: sigma sqrt(2 w) / (s + w) along, sigma sqrt(w) (w + sqrt(3) s) / (s + w)^2 across, driven by white
+/// noise of unit intensity. The roll gusts are as those along, with w = pi V / (4 b).
 class DrydenGusts {
  public:
   DrydenGusts(const DrydenOptions& options, std::uint32_t seed);

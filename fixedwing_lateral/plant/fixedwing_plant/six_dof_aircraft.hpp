@@ -29,9 +29,9 @@ struct SixDofOptions {
   double turbulence = 0.0;
 };
 
-/// A rigid aircraft in six degrees of freedom with published coefficients, an autopilot of its own,
-/// actuators, and Dryden gusts. The controller knows nothing of it: neither its roll loop nor its slip in
-/// turns, its trim errors, or that airspeed and altitude give way to a bank.
+/// A rigid aircraft in six degrees of freedom with published coefficients, an autopilot of its own, actuators, and
+/// Dryden gusts. The controller has no model of its roll loop, its slip in turns or its trim errors. Nor does it know
+/// how airspeed and altitude change in a bank.
 class SixDofAircraft : public Aircraft {
  public:
   /// Begins in level trimmed flight at the heading of `start` and the autopilot's airspeed and altitude.

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 
 namespace checker {
 namespace {
@@ -171,6 +171,8 @@ void Certificate::check() const {
 
 ProvenRegion Certificate::checkRegion(std::size_t index, const Region& region) const {
   checkLaw(index, region);
+  const bool is_stated = convexity_ == "definite" && coverage_ == "exact";
+  if (is_stated && region.own == region.listed.size()) boundChanges(index, region);
   return proveFacets(index, region);
 }
 
@@ -187,7 +189,8 @@ void Certificate::checkLookups(const std::vector<ProvenRegion>& regions) const {
   Lookups(map_, plane_tolerance_, regions, rows).check(lookups_, progress);
 }
 
-bool Certificate::leavesNothingOut() const {
+bool Certificate::statesBounds() const {
+  if (convexity_ != "definite" || coverage_ != "exact") return false;
   if (claims_.size() != map_.regions.size()) return false;
   for (std::size_t r = 0; r < claims_.size(); ++r)
     if (claims_[r].listed.size() > map_.regions[r].row_count) return false;
@@ -202,15 +205,25 @@ std::string Certificate::conditions() const {
       "differences from the exact solution in the whole box: u at most %.3g (%g of its law's greatest), "
       "planes at most %g (scaled)\nlook-ups: half-spaces are violated by at most %g (scaled)\n",
       kUp * law_error_.get_d(), law_tolerance_.get_d(), plane_tolerance_.get_d(), kReach * map_.tolerance);
-  if (convexity_ != "definite" || coverage_ != "exact" || !leavesNothingOut()) return text;
+  return statesBounds() ? text + boundsOfAnswers(kUp) : text;
+}
+
+std::string Certificate::boundsOfAnswers(double up) const {
   // One tolerance more allows for the difference of the map's plane.
   const Fraction reach = (kReach + 1) * Fraction(map_.tolerance);
   const Fraction beyond = 2 * reach * greatest_change_ + 2 * law_tolerance_ * greatest_u_;
-  char line[100];
-  std::snprintf(line, sizeof line,
-                "beyond a facet, u differs by at most %.3g from that of the region behind it\n",
-                kUp * beyond.get_d());
-  return std::string(text) + line;
+  Fraction greatest;
+  for (std::size_t i = 0; i < n_; ++i)
+    for (std::size_t j = 0; j < n_; ++j) greatest = std::max(greatest, Fraction(abs(hessian(i, j))));
+  const Fraction cost = greatest == 0 ? cost_change_ : Fraction(cost_change_ / greatest);
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "each answer is the optimum of a program whose bounds differ by at most %.3g (of the row's greatest "
+      "entry) and whose f by %.3g (of H's greatest)\n"
+      "beyond a facet, u differs by at most %.3g from that of the region behind it\n",
+      up * bound_change_.get_d(), up * cost.get_d(), up * beyond.get_d());
+  return text;
 }
 
 }  // namespace checker

@@ -6,7 +6,7 @@
 namespace checker {
 namespace {
 
-constexpr int kWideBits = 26;   // look-ups accept no more than |t_j| <= 1 + 2^-26
+constexpr int kWideBits = 26;  // look-ups accept no more than |t_j| <= 1 + 2^-26
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 
 namespace checker {
 namespace {

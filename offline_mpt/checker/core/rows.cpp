@@ -20,6 +20,12 @@ Row primitive(const Vector& values) {
 
 Row primitive(const Row& values) { return primitive(Vector(values.begin(), values.end())); }
 
+Integer unitOf(const Row& values) {
+  Integer divisor(0);
+  for (const Integer& value : values) divisor = gcd(divisor, value);
+  return divisor == 0 ? Integer(1) : divisor;
+}
+
 Row negated(const Row& row) {
   Row result = row;
   for (Integer& value : result) value = -value;
@@ -56,23 +62,25 @@ Integer leastInBox(const Row& row) {
   return value;
 }
 
+int bitsOf(const Row& row) {
+  std::size_t most = 0;
+  for (const Integer& value : row)
+    most = std::max(most, value == 0 ? 0 : mpz_sizeinbase(value.get_mpz_t(), 2));
+  return static_cast<int>(most);
+}
+
 Row remainder(const Row* target, const Integer& scale, const Weights& weights,
               const std::vector<const Row*>& rows) {
-  const auto bits = [](const Row& row) {
-    std::size_t most = 0;
-    for (const Integer& value : row)
-      most = std::max(most, value == 0 ? 0 : mpz_sizeinbase(value.get_mpz_t(), 2));
-    return most;
-  };
-  std::size_t most = target != nullptr ? bits(*target) : 0;
+  int most = target != nullptr ? bitsOf(*target) : 0;
   for (const auto& [place, weight] : weights) {
     require(place < rows.size() && rows[place] != nullptr, "a proof names a row that is not there");
-    most = std::max(most, bits(*rows[place]));
+    most = std::max(most, bitsOf(*rows[place]));
   }
   Row rest;
   const auto add = [&](const Row& row, const Integer& factor) {
     rest.resize(row.size());
-    for (std::size_t j = 0; j < row.size(); ++j) rest[j] += factor * (row[j] << (most - bits(row)));
+    for (std::size_t j = 0; j < row.size(); ++j)
+      rest[j] += factor * (row[j] << static_cast<unsigned long>(most - bitsOf(row)));
   };
   if (target != nullptr) add(*target, scale);
   for (const auto& [place, weight] : weights) add(*rows[place], -weight);

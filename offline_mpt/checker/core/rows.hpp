@@ -32,6 +32,8 @@ constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
 /// The same half-space in whole numbers without a common factor.
 Row primitive(const Vector& values);
 Row primitive(const Row& values);
+/// values are this many times primitive(values).
+Integer unitOf(const Row& values);
 
 /// The other side of a half-space.
 Row negated(const Row& row);
@@ -40,6 +42,9 @@ Row negated(const Row& row);
 bool proportional(const Row& a, const Row& b);
 bool sameHalfSpace(const Row& a, const Row& b);
 Integer leastInBox(const Row& row);
+
+/// Number of bits of the greatest entry.
+int bitsOf(const Row& row);
 
 /// row (t, 1)
 template <class Numbers>

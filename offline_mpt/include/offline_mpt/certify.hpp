@@ -17,8 +17,8 @@ class ProcessGroup;
 
 struct CertifyOptions {
   int threads = 1;  ///< 1..256; the report and the certificate do not depend on it
-  /// Greatest difference of u in the box between the map's law and the exact one, relative to max(1, the greatest |u| of
-  /// this law in the box). The certificate states 1e-10 where that holds.
+  /// Greatest difference of u in the box between the map's law and the exact one. It is relative to max(1, the
+  /// greatest |u| of this law in the box). The certificate states 1e-10 where that holds.
   double law_tolerance = 1e-8;
   double plane_tolerance = 5e-9;            ///< greatest difference of a plane's distance in the box [scaled]
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
@@ -130,11 +130,11 @@ struct CertifyReport {
   bool passed() const { return defects.empty() && !interrupted && regions > 0; }
 };
 
-/// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md
-/// for the statement. Doubles count at their exact values. Throws Error when map and program do not have the
-/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior. Also when the
-/// certificate would need a cell of more rows than the checker reads. With a group it throws LostProcess in process 0,
-/// and Error where another process fails or has another map or other tolerances.
+/// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md for the
+/// statement. Doubles count at their exact values. Throws Error when map and program do not have the same signals and
+/// problem text. It throws when the program as a whole is infeasible, indefinite or has no interior. Also when the
+/// certificate would need a cell of more rows than the checker reads. With a group it throws LostProcess in process
+/// 0, and Error where another process fails or has another map or other tolerances.
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
                       const CertifyOptions& options = {});
 

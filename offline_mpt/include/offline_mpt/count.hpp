@@ -60,9 +60,9 @@ struct CountResult {
   Eigen::VectorXd witness;  ///< p, with kIncomplete
 };
 
-/// Explores as `explore` does, but stores only the active sets, some tens of bytes each. A set is counted once
-/// a parameter with strict complementarity is found for it: first on the ray across the facet that led to it,
-/// else at its Chebyshev centre.
+/// Explores as `explore` does, but stores only the active sets, some tens of bytes each. A set is counted once a
+/// parameter with strict complementarity is found for it. The search looks on the ray across the facet that led to
+/// it, else at its Chebyshev centre.
 ///
 /// The counting order is the processing order. So results, proofs and the set at which a limit stops do not
 /// depend on threads. Throws Error as explore does, when H is not positive definite, and when the proof cannot

@@ -62,10 +62,10 @@ struct DiffReport {
   }
 };
 
-/// Where and by how much at most two maps differ: for each pair of regions whose interiors meet, a linear program for
-/// each input gives the greatest difference of their laws. Regions and laws count at the exact values of their doubles, and
-/// rational arithmetic decides. The maps must have the same parameters and inputs; ranges may differ. Throws Error
-/// otherwise, and where a parameter has no range.
+/// Where and by how much at most two maps differ. For each pair of regions whose interiors meet, a linear program for
+/// each input gives the greatest difference of their laws. Regions and laws count at the exact values of their
+/// doubles, and rational arithmetic decides. The maps must have the same parameters and inputs; ranges may differ.
+/// Throws Error otherwise, and where a parameter has no range.
 DiffReport diffMaps(const RegionMap& first, const RegionMap& second, const DiffOptions& options = {});
 
 /// The report for people, several lines. `inputs` are the maps' names of the inputs.

@@ -7,9 +7,9 @@
 
 namespace polyfly {
 
-/// Greatest difference between the coefficients of two laws that are written once, in scaled parameters and
-/// relative to the greatest output that occurs at a region's centre. Nor may u differ by more than half of what proofs
-/// allow.
+/// Greatest difference between the coefficients of two laws that are written once. Parameters are scaled, and the
+/// difference is relative to the greatest output that occurs at a region's centre. Nor may u differ by more than half
+/// of what proofs allow.
 constexpr double kSameLaw = 1e-9;
 
 /// Shares planes and laws among regions, builds the search tree and fills all that a map file holds.

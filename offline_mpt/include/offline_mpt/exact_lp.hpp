@@ -11,13 +11,13 @@ namespace polyfly {
 /// A fraction of whole numbers of any size.
 using Rational = mpq_class;
 
-/// Linear programming without rounding, with the vocabulary of GLPK: rows and columns are numbered from 0 in
-/// the order in which they were added, each with bounds of its own.
+/// Linear programming without rounding, with the vocabulary of GLPK. Rows and columns are numbered from 0 in the
+/// order in which they were added. Each has bounds of its own.
 ///
 ///     min or max  c'x   s.t.   lower <= A x <= upper (rows),   lower <= x <= upper (columns)
 ///
-/// After solve(), every answer carries its proof: multipliers that show that no x does better, or that none
-/// exists, or a direction along which the objective never ends. All of them can be checked by substitution.
+/// After solve(), every answer carries its proof. That is multipliers that show that no x does better, or that none
+/// exists. Or it is a direction along which the objective never ends. All proofs can be checked by substitution.
 class ExactLp {
  public:
   enum class Bound {

@@ -33,8 +33,8 @@ struct ExploreOptions {
   /// probes. Not the program, and not the Partition that regions are converted to at the end.
   std::uint64_t memory_limit = 0;
   double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
-  /// Regions with a smaller inscribed ball are left to their neighbours: maps write planes once that are
-  /// closer to each other than a tenth of it. Where rows nearly repeat each other, at most 1e-11 [scaled].
+  /// Regions with a smaller inscribed ball are left to their neighbours. Maps write planes once that are closer to
+  /// each other than a tenth of it. Where rows nearly repeat each other, at most 1e-11 [scaled].
   double radius_tolerance = kDefaultRadiusTolerance;
   const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread

@@ -21,9 +21,9 @@ enum class ExploreStatus {
 
 const char* toString(ExploreStatus status);
 
-/// Set of parameters for which one active set is optimal, with its law.
-/// Half-spaces are in the program's own parameters: G theta <= g, minimal, each row scaled so that
-/// G theta - g is a distance when every parameter's range is mapped to [-1, 1].
+/// Set of parameters for which one active set is optimal, with its law. Half-spaces are in the program's own
+/// parameters: G theta <= g, minimal. Each row is scaled so that G theta - g is a distance when every parameter's
+/// range is mapped to [-1, 1].
 struct CriticalRegion {
   std::vector<int> active;  ///< sorted row indices of the program
   Eigen::MatrixXd G;        ///< rows x p

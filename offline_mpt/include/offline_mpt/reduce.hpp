@@ -88,11 +88,11 @@ struct ReduceResult {
 /// A map with the same answers from fewer regions. Regions of one law are joined where their union is convex;
 /// joined regions of one law may overlap.
 ///
-/// With `separate`, and one input: where the input is constant at its greatest or least value, the regions
-/// are left out, and fallback regions (FORMAT.md) take their place: the whole set of parameters that the map
-/// answers, divided by planes that keep the two kinds of saturation apart (Kvasnica, Hledik, Rauova and
-/// Fikar, 2013). One plane where one is enough; else a list of planes, each cutting off regions of one kind;
-/// the regions stay where that would not be fewer.
+/// With `separate`, and one input: where the input is constant at its greatest or least value, the regions are left
+/// out. Fallback regions (FORMAT.md) take their place. They are the whole set of parameters that the map answers,
+/// divided by planes. These keep the two kinds of saturation apart (Kvasnica, Hledik, Rauova and Fikar, 2013). One
+/// plane where one is enough; else a list of planes, each cutting off regions of one kind. The regions stay where
+/// that would not be fewer.
 ///
 /// Decisions are made in floating point: prove the result (verify_reduction.hpp). Throws Error for a map that
 /// was reduced before; with `separate` for one that is not complete or has several inputs; when stopped.

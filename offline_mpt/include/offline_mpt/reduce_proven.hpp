@@ -17,7 +17,7 @@ struct ProvenReduction {
 };
 
 /// Reduces a map and proves the result. Where the proof fails, the search tree left out slivers that matter, or
-/// rounding made too much of them: they are added to the leaves, and trees that leave out thicker or thinner ones are
+/// rounding made too much of them. They are added to the leaves, and trees that leave out thicker or thinner ones are
 /// tried. `name` is that of the reduced map in errors. Throws Error as reduce and verifyReduction do.
 ProvenReduction reduceProven(const RegionMap& map, const std::string& name,
                              const ReduceOptions& reduce_options, const ReductionOptions& proof_options);

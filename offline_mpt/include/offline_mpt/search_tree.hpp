@@ -53,9 +53,9 @@ struct SearchTree {
 enum class TreeMode : std::uint8_t {
   kNone,  ///< No nodes: a look-up tests all regions.
   kFast,  ///< About as long as the exploration took, by its simplex pivots.
-  /// Until further nodes gain little, or the tree takes much more memory than the regions, or 150 simplex pivots per
-  /// half-space of the regions (and more than about 0.4 s). From 5 parameters on 60 are enough where the worst look-up
-  /// evaluates at most one half-space of 64.
+  /// Until further nodes gain little, or the tree takes much more memory than the regions. Also until 150 simplex
+  /// pivots per half-space of the regions (and more than about 0.4 s). From 5 parameters on 60 are enough where the
+  /// worst look-up evaluates at most one half-space of 64.
   kAuto,
   kSmall,  ///< Until no split shortens a look-up any more.
 };
@@ -92,13 +92,13 @@ struct TreeOptions {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 
-/// Binary search tree over the regions' own planes (Tondel, Johansen and Bemporad, 2003), grown from its worst leaf:
-/// the one whose look-up evaluates the most half-spaces, nodes on the path and rows of its candidates together.
+/// Binary search tree over the regions' own planes (Tondel, Johansen and Bemporad, 2003), grown from its worst leaf.
+/// That is the one whose look-up evaluates the most half-spaces, nodes on the path and rows of its candidates
+/// together.
 ///
-/// A region stays on a side of a plane if its part there, within the cell of the node, reaches further than
-/// side_tolerance, by linear programming. Of its rows, those count that bound this part within the cell, unless
-/// all_rows is set.
-/// Each split takes the plane after which the fuller side has the fewest rows to test.
+/// Linear programs decide on which sides of a plane a region stays. It stays on each side on which its part within
+/// the cell of the node reaches further than side_tolerance. Of its rows, those count that bound this part within the
+/// cell, unless all_rows is set. Each split takes the plane after which the fuller side has the fewest rows to test.
 ///
 /// With a group it throws LostProcess, or Error where another process fails.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});

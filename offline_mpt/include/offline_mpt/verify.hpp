@@ -57,7 +57,7 @@ struct VerifyReport {
   /// Samples that were compared with the program.
   std::uint64_t compared = 0;
   /// Of `compared`: oracle and map differed by more than the tolerance, and the region's active set met the
-  /// conditions of optimality in rational arithmetic, so that its solution took the oracle's place.
+  /// conditions of optimality in rational arithmetic. So its solution took the oracle's place.
   std::uint64_t settled = 0;
   /// Samples at which the program has no solution.
   std::uint64_t infeasible = 0;

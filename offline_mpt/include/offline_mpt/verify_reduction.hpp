@@ -28,8 +28,8 @@ struct ReductionDefect {
   enum class Kind : std::uint8_t {
     kLost,   ///< a region of the original has a part that the reduced map does not answer as it should
     kClaim,  ///< a region of the reduced map claims a parameter that no region with its law holds
-    /// A leaf of the reduced map does not test a row of a candidate, and is not proven to answer only within 8 tolerances
-    /// of it.
+    /// A leaf of the reduced map does not test a row of a candidate. It is not proven to answer only within 8
+    /// tolerances of that row.
     kAnswer,
   };
   Kind kind = Kind::kLost;
@@ -79,16 +79,16 @@ struct ReductionReport {
 ///    within the handicap of fallback regions (FORMAT.md).
 /// 4. Where a leaf does not test all rows of a candidate, a look-up in binary64 answers only within 8 tolerances of each.
 ///
-/// So every answer of the reduced map is one that the original gives as well, within the tolerance that both
-/// maps carry, and where the original answers, so does the reduced map. What is proven of the original holds
-/// for the reduced map up to that tolerance and `law_error`. Throws Error when the maps do not belong
-/// together, or a certificate is asked for that nests cuts more deeply than the checker reads.
+/// So every answer of the reduced map is one that the original gives as well, within the tolerance that both maps
+/// carry. Where the original answers, so does the reduced map. What is proven of the original holds for the reduced
+/// map up to that tolerance and `law_error`. Throws Error when the maps do not belong together, or a certificate is
+/// asked for that nests cuts more deeply than the checker reads.
 ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& original,
                                 const ReductionOptions& options = {});
 
-/// Adds to the leaves of a reduced map the regions that its tree left out and that hold what was lost there:
-/// in slivers a tree may leave to a neighbour what none holds. Adds rows to test that are not proven to hold. False where
-/// there is nothing to add. The result is to be verified as the map was.
+/// Adds to the leaves of a reduced map the regions that its tree left out and that hold what was lost there. In
+/// slivers, a tree may leave to a neighbour what none holds. Adds rows to test that are not proven to hold. False
+/// where there is nothing to add. The result is to be verified as the map was.
 bool repairLeaves(MapContent& content, const ReductionReport& report);
 
 /// Writes the certificate beside `path`, syncs and renames it. Throws Error where there is none.

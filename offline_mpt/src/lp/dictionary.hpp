@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -94,6 +95,44 @@ class Dictionary {
       if (q > 0 && !radius) coordinates_[(q + 2) * kCoordinates + q] = -1.0;
     }
     coordinates_[N - 1] = 1.0;
+  }
+
+  /// Stands where N rows are zero. They are among the rows and, behind these, the sides of the box [-1, 1]^N: t_j <= 1 and
+  /// -t_j <= 1 in turn. Everything is computed from factors of these rows. Slacks may be negative. False: they have no
+  /// common point in doubles.
+  bool startAt(const double* rows, int count, const std::array<int, N>& basis) {
+    Square normals(N, N);
+    Column limits(N);
+    for (int j = 0; j < N; ++j) {
+      const Row row = rowOrSide(rows, count, basis[j]);
+      for (int q = 0; q < N; ++q) normals(j, q) = row[q];
+      limits(j) = row[N];
+    }
+    const Eigen::PartialPivLU<Square> factors(normals);
+    const Column vertex = factors.solve(limits);
+    const Square inverse = factors.inverse();
+    if (!vertex.allFinite() || !inverse.allFinite()) return false;
+    for (int q = 0; q < N; ++q) {
+      coordinates_[q] = vertex(q);
+      for (int j = 0; j < N; ++j) coordinates_[(j + 1) * kCoordinates + q] = -inverse(q, j);
+    }
+    prepare(count + 2 * N);
+    size_ = free_ = 0;
+    std::fill(place_.begin(), place_.end(), kRemoved);
+    for (int j = 0; j < N; ++j) {
+      nonbasic_[j] = basis[j];
+      place_[basis[j]] = -1 - j;
+    }
+    for (int i = 0; i < count + 2 * N; ++i) {
+      if (place_[i] != kRemoved) continue;
+      const Row row = rowOrSide(rows, count, i);
+      for (int k = 0; k <= N; ++k) {
+        at(size_, k) = k == 0 ? row[N] : 0.0;
+        for (int q = 0; q < N; ++q) at(size_, k) -= row[q] * coordinate(q, k);
+      }
+      append(i);
+    }
+    return true;
   }
 
   /// Of the rows that are not zero here, the place of that which falls short most; -1: none does by more than
@@ -235,6 +274,10 @@ class Dictionary {
   }
 
  private:
+  // Of a size that is not known to Eigen: it would unroll each N.
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, N, N>;
+  using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, N, 1>;
+
   static constexpr std::size_t kCoordinates = padded(N);  // stride of their columns
   static constexpr int kRemoved = std::numeric_limits<int>::min();
 
@@ -252,6 +295,18 @@ class Dictionary {
   void append(int row) {
     row_[size_] = row;
     place_[row] = size_++;
+  }
+
+  static Row rowOrSide(const double* rows, int count, int index) {
+    Row row;
+    if (index < count) {
+      std::copy_n(rows + static_cast<std::ptrdiff_t>(index) * (N + 1), N + 1, row.begin());
+    } else {
+      row.fill(0.0);
+      row[(index - count) / 2] = (index - count) % 2 == 0 ? 1.0 : -1.0;
+      row[N] = 1.0;
+    }
+    return row;
   }
 
   double& at(int place, int k) { return columns_[k * stride_ + place]; }

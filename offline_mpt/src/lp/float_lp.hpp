@@ -1,53 +1,46 @@
 #pragma once
 
-#include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
+#include "lp/polytope_kernel.hpp"
+
 namespace polyfly {
 
-/// Small linear programs in floating point, max c . x over a . x <= b and |x_j| <= 1. In proofs, what they
-/// answer is proven or refused in whole numbers. The exploration uses it as it is.
+/// Small linear programs in floating point, max c . x over a . x <= b and |x_j| <= 1, on the dictionaries of PolytopeSolver.
+/// In proofs, what they answer is proven or refused in whole numbers. The exploration uses it as it is.
 class FloatLp {
  public:
-  explicit FloatLp(int dimension) : dimension_(dimension) {}
+  using Status = BoxOptimum::Status;
+
+  /// More than PolytopeSolver::kMaxDimension + 1 dimensions always fail: there is no guess then.
+  explicit FloatLp(int dimension) : dimension_(dimension), kernel_(makeKernel(dimension)) {}
 
   void clear() { rows_.clear(); }
   void add(const std::vector<double>& a_b);  ///< dimension + 1 numbers, |a| = 1 advised
   int count() const { return static_cast<int>(rows_.size()) / (dimension_ + 1); }
 
-  enum class Status { kOptimal, kInfeasible, kFailed };
-
-  /// kInfeasible: weights() combine rows and box to 0 . x <= negative.
   Status maximise(const std::vector<double>& c);
 
-  const std::vector<double>& x() const { return x_; }
+  /// Of the last answer that did not fail; see BoxOptimum.
+  const std::vector<double>& x() const { return optimum_.t; }
   double objective() const { return objective_; }
-
-  /// Rows (by their order; the box follows, see boxIndex) with positive weight, whose combination is c, or 0
-  /// where infeasible.
-  const std::vector<std::pair<int, double>>& weights() const { return weights_; }
-
-  /// Rows that are tight where it stopped, as many as dimensions.
-  const std::vector<int>& basis() const { return basis_; }
+  const std::vector<std::pair<int, double>>& weights() const { return optimum_.weights; }
+  const std::vector<int>& basis() const { return optimum_.basis; }
 
   /// Simplex pivots since construction.
-  std::uint64_t pivots() const { return pivots_; }
+  unsigned long long pivots() const { return kernel_->pivots(); }
 
   /// Index in weights() and basis() of x_(index / 2) <= 1 (even), >= -1 (odd).
   int boxIndex(int index) const { return count() + index; }
 
  private:
-  void coefficients(int row, double* a, double& b) const;
-  int mostViolated() const;
-
   int dimension_;
+  std::unique_ptr<PolytopeSolver::Kernel> kernel_;
   std::vector<double> rows_;
-  std::vector<double> x_;
-  std::vector<int> basis_;
+  BoxOptimum optimum_;
   double objective_ = 0.0;
-  std::uint64_t pivots_ = 0;
-  std::vector<std::pair<int, double>> weights_;
 };
 
 }  // namespace polyfly

@@ -44,6 +44,28 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return climbFromHere(direction, point) && isPrecise(rows);
   }
 
+  // The dual simplex, from the corner of the box. Pivots lose digits where rows meet at sharp angles. So it counts only
+  // where it stops without a pivot at a vertex that was factorised anew.
+  BoxOptimum::Status maximiseInBox(const double* rows, int count, const double* direction,
+                                   BoxOptimum& optimum) override {
+    constexpr int kMostVertices = 20;
+    std::array<int, N> basis;
+    for (int j = 0; j < N; ++j) basis[j] = count + 2 * j + (direction[j] >= 0.0 ? 0 : 1);
+    int left = 50 + 10 * (count + N);
+    for (int vertex = 0; vertex < kMostVertices; ++vertex) {
+      if (!dictionary_.startAt(rows, count, basis)) break;
+      const auto before = dictionary_.pivots();
+      const BoxOptimum::Status status = descend(direction, left, optimum);
+      if (status == BoxOptimum::Status::kFailed) break;
+      for (int j = 0; j < N; ++j) basis[j] = dictionary_.nonbasic(j);
+      if (dictionary_.pivots() == before) {
+        readVertex(optimum);
+        return status;
+      }
+    }
+    return BoxOptimum::Status::kFailed;
+  }
+
   // A ball has a radius and at least one coordinate.
   Ball ballInBox(const double* rows, int count, double* ball) override {
     if constexpr (N > 1) {
@@ -90,6 +112,40 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return false;
   }
 
+  // Pivots, at most `left`, until no row is violated, or one is by all points.
+  BoxOptimum::Status descend(const double* direction, int& left, BoxOptimum& optimum) {
+    for (; left > 0; --left) {
+      const auto objective = objectiveOf(direction);
+      optimum.weights.clear();
+      const int place = dictionary_.worstPlace(tolerance::kEnteringViolation);
+      if (place < 0) {
+        for (int j = 0; j < N; ++j) addWeight(dictionary_.nonbasic(j), objective[j + 1], optimum);
+        return BoxOptimum::Status::kOptimal;
+      }
+      const auto row = dictionary_.slack(place);
+      const int column =
+          enteringColumn(row, tolerance::kLeavingWeight, [&](int j) { return objective[j + 1]; });
+      if (column < 0) {
+        addWeight(dictionary_.rowAt(place), 1.0, optimum);
+        for (int j = 0; j < N; ++j) addWeight(dictionary_.nonbasic(j), -row[j + 1], optimum);
+        return BoxOptimum::Status::kInfeasible;
+      }
+      dictionary_.pivot(place, column);
+    }
+    return BoxOptimum::Status::kFailed;
+  }
+
+  static void addWeight(int row, double weight, BoxOptimum& optimum) {
+    if (weight > 0.0) optimum.weights.emplace_back(row, weight);
+  }
+
+  void readVertex(BoxOptimum& optimum) const {
+    optimum.t.resize(N);
+    dictionary_.point(0, 0.0, optimum.t.data());
+    optimum.basis.clear();
+    for (int j = 0; j < N; ++j) optimum.basis.push_back(dictionary_.nonbasic(j));
+  }
+
   // The dual simplex: what the rows looked at so far allow bounds the radius from above.
   Ball largestBall(const double* rows, int count, double* ball) {
     dictionary_.startInBox(rows, count);
@@ -99,7 +155,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
         dictionary_.point(0, 0.0, ball);
         return Ball::kFound;
       }
-      const int column = enteringColumn(dictionary_.slack(place));
+      const int column = enteringColumn(dictionary_.slack(place), tolerance::kPivot,
+                                        [&](int j) { return -dictionary_.coordinate(N - 1, j + 1); });
       if (column < 0) return Ball::kFailed;
       dictionary_.pivot(place, column);
       if (dictionary_.coordinate(N - 1, 0) >= -2.0 * tolerance::kHopelessRadius) continue;
@@ -109,13 +166,14 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return Ball::kFailed;
   }
 
-  // Along which the row grows while the radius, the last coordinate, falls least.
-  int enteringColumn(const typename Dictionary<N>::Row& row) const {
+  // Along which the row grows while the objective falls least; `fall` tells how much it falls along a column.
+  template <typename Fall>
+  static int enteringColumn(const typename Dictionary<N>::Row& row, double threshold, const Fall& fall) {
     int best = -1;
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j < N; ++j) {
-      if (row[j + 1] <= tolerance::kPivot) continue;
-      const double price = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0) / row[j + 1];
+      if (row[j + 1] <= threshold) continue;
+      const double price = std::max(fall(j), 0.0) / row[j + 1];
       if (price > least || (price == least && best >= 0 && row[j + 1] <= row[best + 1])) continue;
       least = price;
       best = j;

@@ -1,10 +1,25 @@
 #pragma once
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "lp/polytope.hpp"
 
 namespace polyfly {
+
+/// The maximum of direction . t over rows in the box [-1, 1]^n, or what shows that there is none.
+struct BoxOptimum {
+  enum class Status { kOptimal, kInfeasible, kFailed };
+  std::vector<double> t;
+  /// Rows that are tight at t, as many as dimensions. The sides of the box follow the rows: t_j <= 1 is `count` + 2 j,
+  /// -t_j <= 1 the next.
+  std::vector<int> basis;
+  /// Rows with weights > 0, whose combination is `direction`. Among rows that nearly repeat each other these may lose
+  /// most of their digits; the maximum does not. Where the rows exclude each other, the combination of these is
+  /// 0 . t <= negative.
+  std::vector<std::pair<int, double>> weights;
+};
 
 /// What PolytopeSolver asks a dictionary, in a dimension that the compiler knows. False, or kFailed, where rounding
 /// leads the pivots astray.
@@ -25,6 +40,9 @@ class PolytopeSolver::Kernel {
   /// largest ball, `hopeless` where its radius is below -kHopelessRadius for certain.
   enum class Ball { kFound, kHopeless, kFailed };
   virtual Ball ballInBox(const double* rows, int count, double* ball) = 0;
+  /// No point inside need be known, and there may be none.
+  virtual BoxOptimum::Status maximiseInBox(const double* rows, int count, const double* direction,
+                                           BoxOptimum& optimum) = 0;
   virtual unsigned long long pivots() const = 0;
 };
 

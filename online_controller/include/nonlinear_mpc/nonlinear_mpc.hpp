@@ -104,8 +104,8 @@ struct StageReference {
   double lift = 9.8066;                                ///< z component of z_B T [m/s^2]
 };
 
-/// Nonlinear model predictive control by the real-time iteration (Diehl, Bock and Schloeder, 2005): per
-/// sample one step of Gauss and Newton from the last solution, moved on in time.
+/// Nonlinear model predictive control by the real-time iteration (Diehl, Bock and Schloeder, 2005). Each sample takes
+/// one Gauss-Newton step from the last solution, moved on in time.
 ///
 /// Multiple shooting with the analytic derivatives of integrateStage, condensing to the N x 3 inputs
 /// (Andersson, 2013), BoundedQp with the last active set. A step has two parts: prepare() linearises,
@@ -131,7 +131,7 @@ class NonlinearMpc {
 
   /// Solves the QP for the state x and N + 1 references; the last one's commands do not count. Call prepare() before
   /// each call. Returns kOptimal, or kIterationLimit where the search ended early. Then a line search on the cost has
-  /// moved the solution towards the last iterate, within all limits; stepLength() is 0 where the cost does not fall.
+  /// moved the solution towards the last iterate, within all limits. stepLength() is 0 where the cost does not fall.
   /// Any other status leaves the solution unchanged.
   QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
 
@@ -165,8 +165,8 @@ class NonlinearMpc {
     Block A_transposed;
     Eigen::Matrix<double, kMultirotorInputs, kMultirotorStates, Eigen::RowMajor> B_transposed;
   };
-  /// What feedback() reads of a stage, in a third of the memory, since another processor may have prepared
-  /// it: A and B without their zeros and ones.
+  /// What feedback() reads of a stage: A and B without their zeros and ones. That takes a third of the memory, since
+  /// another processor may have prepared it.
   struct Transition {
     // Derivative of position and velocity by velocity, roll, pitch.
     Eigen::Matrix<double, 6, 5> by_motion;

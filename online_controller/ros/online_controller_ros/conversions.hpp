@@ -39,9 +39,9 @@ polyfly::ReferenceTrajectory toReferenceTrajectory(const geometry_msgs::PoseStam
 /// Roll, pitch, yaw rate and thrust; the caller sets the header.
 void fillCommand(const polyfly::AttitudeCommand& command, mav_msgs::RollPitchYawrateThrust& message);
 
-/// For mavros: attitude of the body (forward, left, up) in the world (east, north, up), which is what it
-/// wants on setpoint_raw/attitude; `yaw` is the vehicle's own [rad], since autopilots take the rate of yaw
-/// from body_rate.z. Thrust through the curve. The caller sets the header.
+/// For mavros: attitude of the body (forward, left, up) in the world (east, north, up), as it expects on
+/// setpoint_raw/attitude. `yaw` is the vehicle's own [rad], since autopilots take the rate of yaw from body_rate.z.
+/// Thrust through the curve. The caller sets the header.
 void fillAttitudeTarget(const polyfly::AttitudeCommand& command, double yaw,
                         const polyfly::ThrustCurve& curve, mavros_msgs::AttitudeTarget& message);
 

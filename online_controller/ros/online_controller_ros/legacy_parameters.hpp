@@ -16,11 +16,10 @@ struct LegacyParameters {
   LegacyNames names;                ///< under which options can be changed in flight besides ours
 };
 
-/// Lets a launch file and a YAML file written for mav_control_rw start this controller: what stands there in
-/// its private parameters under that package's names is set under ours, unless ours is set too. `law` is the
-/// one to fly, `linear` or `nonlinear`, unless the parameter law says otherwise. What was set so is noted
-/// below `adopted`, and set anew where theirs has changed since. Throws polyfly::Error naming one of theirs
-/// that has another type.
+/// Lets a launch file and a YAML file written for mav_control_rw start this controller. Its private parameters under
+/// that package's names are set under ours, unless ours is set too. `law` is the one to fly, `linear` or `nonlinear`,
+/// unless the parameter law says otherwise. What was set so is noted below `adopted`, and set anew where theirs has
+/// changed since. Throws polyfly::Error naming one of theirs that has another type.
 LegacyParameters importLegacyParameters(const ros::NodeHandle& private_handle, const std::string& law);
 
 }  // namespace polyfly_ros

@@ -20,9 +20,9 @@ enum class ProcessKind {
   kStandalone,      ///< nothing: odometry comes over connections only
 };
 
-/// Brings odometry to the controller, in order. Each message is answered either inline, in the thread that
-/// brings it, or in the control thread. Inline are the messages of the same process and, in a process of its
-/// own, those of connections; each of them only if the lock is free (IN_FLIGHT.md).
+/// Brings odometry to the controller, in order. Each message is answered either inline, in the thread that brings it,
+/// or in the control thread. Inline are the messages of the same process and, in a process of its own, those of
+/// connections. Each is inline only if the lock is free (IN_FLIGHT.md).
 class OdometryInput {
  public:
   struct Callbacks {

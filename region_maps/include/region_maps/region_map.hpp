@@ -37,10 +37,10 @@ struct LeafView {
   }
 };
 
-/// A region map file, read in place. Opening checks the whole file once (sizes, alignment, every
-/// index, finiteness, checksum) and throws polyfly::Error with the file and the rule that it breaks;
-/// afterwards a look-up only tests its own input. Look-ups allocate nothing and may run concurrently.
-/// Moves, does not copy; a map that was moved from may only be assigned to or destroyed.
+/// A region map file, read in place. Opening checks the whole file once: sizes, alignment, every index, finiteness,
+/// checksum. It throws polyfly::Error with the file and the rule that it breaks. Afterwards a look-up only tests its
+/// own input. Look-ups allocate nothing and may run concurrently. Moves, does not copy; a map that was moved from may
+/// only be assigned to or destroyed.
 class RegionMap {
  public:
   /// Maps the file into memory. Throws Error.
@@ -100,11 +100,11 @@ class RegionMap {
   /// As locate, and writes u = K theta + k (m numbers) when the status is kInside; u is left alone otherwise.
   Lookup evaluate(const double* theta, double* u) const noexcept;
 
-  /// As `locate` and `evaluate`, beginning with the region that held the parameter before: consecutive
-  /// parameters mostly lie in one region, and testing that one is cheaper than the tree. `last` may be any
-  /// number. On a face, where several regions hold theta, the answer may be another region than the tree's;
-  /// their inputs agree there. Costs at most one region's half-spaces more than `cost()` says. Unlike
-  /// `locate`, the answer depends on what came before; the controllers therefore do not use it.
+  /// As `locate` and `evaluate`, beginning with the region that held the parameter before. Consecutive parameters
+  /// mostly lie in one region, and testing that one is cheaper than the tree. `last` may be any number. On a face,
+  /// where several regions hold theta, the answer may be another region than the tree's; their inputs agree there.
+  /// Costs at most one region's half-spaces more than `cost()` says. Unlike `locate`, the answer depends on what came
+  /// before; the controllers therefore do not use it.
   Lookup locateFrom(const double* theta, std::uint32_t last) const noexcept;
   Lookup evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept;
 

@@ -19,9 +19,8 @@ enum class AttitudeLoop {
   kQuaternion
 };
 
-/// A rigid body in the air with an attitude controller of its own. The loops' gain and time constant are what
-/// a fit of first order finds for a Firefly: the loops themselves have motors, and two of them a second
-/// order.
+/// A rigid body in the air with an attitude controller of its own. The loops' gain and time constant are what a fit
+/// of first order finds for a Firefly. The loops themselves have motors, and two of them a second order.
 struct AttitudePlantOptions {
   AttitudeLoop loop = AttitudeLoop::kBodyRates;
   double mass = 1.52;       ///< [kg]

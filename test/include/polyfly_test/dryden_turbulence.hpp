@@ -7,10 +7,9 @@
 
 namespace polyfly {
 
-/// Dryden turbulence (MIL-F-8785C) in a frozen mean wind, as velocities in the axes of that wind: along it
-/// the filter 1 / (1 + T s), across it and upwards (1 + sqrt(3) T s) / (1 + T s)^2, with T the length scale
-/// divided by the wind speed. Each component has the standard deviation `sigma` at any step, from the first
-/// number on.
+/// Dryden turbulence (MIL-F-8785C) in a frozen mean wind, as velocities in the axes of that wind. Along it the filter
+/// is 1 / (1 + T s), across it and upwards (1 + sqrt(3) T s) / (1 + T s)^2. T is the length scale divided by the wind
+/// speed. Each component has the standard deviation `sigma` at any step, from the first number on.
 class DrydenTurbulence {
  public:
   /// `mean` [m/s] must not vanish; `sigma` [m/s] per axis (along, across, up); `length` [m]; `step` [s].

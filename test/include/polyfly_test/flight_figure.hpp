@@ -8,9 +8,10 @@
 
 namespace polyfly {
 
-/// The flight that the demonstration tracks: hold, climb, a lying eight flown fast, hold. With the phase s,
-///   x = radius_x sin s,  y = radius_y sin 2s,  z = height + radius_z sin s,  yaw = yaw_turn s / (2 pi laps),
-/// and the phase starts and ends smoothly, so that the jerk is continuous all along.
+/// The flight that the demonstration tracks: hold, climb, a horizontal figure of eight flown fast, hold. With the
+/// phase s,
+///   x = radius_x sin s,  y = radius_y sin 2s,  z = height + radius_z sin s,  yaw = yaw_turn s / (2 pi laps).
+/// The phase starts and ends smoothly, so that the jerk is continuous all along.
 struct FigureOptions {
   /// First hold position in W [m]. The eight is flown around (x, y).
   Eigen::Vector3d start{0.0, 0.0, 1.0};

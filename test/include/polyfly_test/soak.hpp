@@ -89,9 +89,9 @@ class SoakController {
   virtual void select(polyfly::Law law) = 0;
 };
 
-/// Flies `controller` in simulated time and lets everything go wrong at random: odometry falls silent, jumps,
-/// is not a number or huge, comes in the wrong order or frame; options, maps (one of `map_sets`) and laws
-/// change. `tuning` is what the controller was made with. `progress` is told the simulated time now and then.
+/// Flies `controller` in simulated time and lets everything go wrong at random. Odometry falls silent, jumps, is not
+/// a number or huge, comes in the wrong order or frame. Options, maps (one of `map_sets`) and laws change. `tuning`
+/// is what the controller was made with. `progress` is told the simulated time now and then.
 SoakResult soak(SoakController& controller, const SoakTuning& tuning, int map_sets,
                 const SoakOptions& options, const std::function<void(double)>& progress = {});
 

@@ -34,11 +34,11 @@ bool isULog(const std::string& path);
 bool isDataflash(const std::string& path);
 
 /// Reads a PX4 log (ULog, version 0 and 1; docs.px4.io) or an ArduPilot dataflash log (.bin; its FMT messages
-/// describe the others). Only tables whose name without instance is in `wanted` are kept, all if it is empty.
-/// The file is read once in pieces and not changed. What cannot be read is left out and told in remarks: a
-/// message that was cut off, one of an unknown or damaged format; in a dataflash log the next message is
-/// searched for. Throws Error naming file and rule: missing, empty, another format, a ULog that needs
-/// features that are unknown, no message at all.
+/// describe the others). Only tables whose name without instance is in `wanted` are kept, all if it is empty. The
+/// file is read once in pieces and not changed. What cannot be read is left out and told in remarks: a message that
+/// was cut off, or one of an unknown or damaged format. In a dataflash log the next message is searched for. Throws
+/// Error naming file and rule: missing, empty, another format, a ULog that needs features that are unknown, no
+/// message at all.
 AutopilotLog readULog(const std::string& path, const std::vector<std::string>& wanted = {});
 AutopilotLog readDataflash(const std::string& path, const std::vector<std::string>& wanted = {});
 

@@ -36,12 +36,12 @@ struct AutopilotSignals {
 /// The kind of vehicle is that of vehicle_status, and of the messages that only ArduPlane or ArduCopter writes.
 ///
 /// Frames: forward-right-down and north-east-down become forward-left-up and east-north-up, for commands and
-/// responses alike. A command is taken as the straight line between the values that were logged, which are
-/// some of those that were sent. What was measured while the vehicle stood, by the autopilot's own account
+/// responses alike. A command is taken as the straight line between the values that were logged, which are some of
+/// those that were sent. What was measured while the vehicle stood, by the autopilot's own account
 /// (vehicle_land_detected, STAT, EV, ARM), is left out unless `on_ground`. `choice` names a place outright:
 /// `TABLE:FIELD`, a minus before it turns the sign, `:deg` after it makes radians of degrees. Throws Error as
-/// readULog and readDataflash, when a chosen place is not there, there is no signal at all, or the vehicle
-/// never left the ground.
+/// readULog and readDataflash. Also when a chosen place is not there, there is no signal at all, or the vehicle never
+/// left the ground.
 AutopilotSignals signalsFromAutopilot(const std::string& path,
                                       const std::map<std::string, std::string>& choice,
                                       bool on_ground = false);

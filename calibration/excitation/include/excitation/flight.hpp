@@ -103,8 +103,8 @@ const char* nameOf(ExcitationState state);
 /// Flies a plan: adds its deviations to a loop that holds position, height and heading, and watches the
 /// limits. Free of ROS and clocks; the time is that of the odometry.
 ///
-/// During 2-1-1 and doublet, roll and pitch of the loop stand still, so that the response is that to the
-/// pulses; height is held all the time. An aborted flight is not taken up again.
+/// During 2-1-1 and doublet, roll and pitch of the loop stand still, so that the response is that to the pulses.
+/// Height is held all the time. An aborted flight is not taken up again.
 class ExcitationFlight {
  public:
   /// Throws Error when an option is out of range, options do not fit together, or a wing's plan excites

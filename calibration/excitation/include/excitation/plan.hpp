@@ -70,8 +70,8 @@ ExcitationPlan loadPlan(const std::string& path);
 std::vector<double> amplitudeSpectrum(const std::vector<double>& samples, double dt,
                                       const std::vector<double>& frequencies);
 
-/// The plan in words and numbers: manoeuvres, duration, and for each channel a table of its spectrum with the
-/// share of its energy below each frequency.
+/// The plan in words and numbers: manoeuvres and duration. For each channel a table has its spectrum, with the share
+/// of its energy below each frequency.
 std::string describe(const ExcitationPlan& plan);
 
 }  // namespace polyfly

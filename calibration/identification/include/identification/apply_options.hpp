@@ -36,8 +36,8 @@ struct AppliedOptions {
 /// those of the model with delay, with guidance/delay. Else they are those of the model without.
 ///
 /// Missing options and groups are added. Ranges are the node's: see parseMultirotorParameters and
-/// parseLateralParameters. Throws Error naming file, field and rule; when a calibration has
-/// nothing for these options; when its data are those of another kind of vehicle, or do not support a number.
+/// parseLateralParameters. Throws Error naming file, field and rule. Also when a calibration has nothing for these
+/// options. Also when its data are those of another kind of vehicle, or do not support a number.
 AppliedOptions applyToOptions(const std::string& options, const std::string& source,
                               const std::vector<CalibrationFile>& calibrations);
 

@@ -73,11 +73,11 @@ struct LoopFit {
   const FittedParameter* find(const std::string& name) const;
 };
 
-/// Fits gain, offset, shape and the initial state of each segment: least loss of Huber over the whole box
-/// (DIRECT), then locally (Nelder-Mead) with the scale taken from the residuals; gain, offset and initial
-/// states are linear and solved for at every point. Standard errors are those of an M-estimator whose
-/// residuals are correlated in time (Newey and West 1987). Throws Error when there is no segment, or when
-/// command or response is constant.
+/// Fits gain, offset, shape and the initial state of each segment. It takes the least loss of Huber over the whole
+/// box (DIRECT), then locally (Nelder-Mead) with the scale taken from the residuals. Gain, offset and initial states
+/// are linear and solved for at every point. Standard errors are those of an M-estimator whose residuals are
+/// correlated in time (Newey and West 1987). Throws Error when there is no segment, or when command or response is
+/// constant.
 LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& options);
 
 /// The same model on other segments: shape, gain and offset stay, initial states are fitted.

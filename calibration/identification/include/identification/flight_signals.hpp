@@ -12,9 +12,8 @@
 
 namespace polyfly {
 
-/// What of a flight identification works with, by these names, in SI units. Attitude as yaw, pitch, roll of
-/// the body (x forward) in W; W and body alike have z up for multirotors, or z down throughout (fixed wing,
-/// NED).
+/// What of a flight identification works with, by these names, in SI units. Attitude is yaw, pitch, roll of the body
+/// (x forward) in W. W and body alike have z up for multirotors, or z down throughout (fixed wing, NED).
 ///
 /// | name | |
 /// |---|---|
@@ -64,24 +63,24 @@ TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name);
 std::vector<std::string> clockRemarks(const FlightSignals& signals);
 
 /// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
-/// README.md). `choice` names the column of a signal outright, with the unit in its name; a minus before it
-/// turns the sign, `:deg` after it makes radians of degrees whatever the name says. It binds times as `time`
-/// (`COLUMN`, or `SECONDS,NANOSECONDS`), and those of the commands as `cmd_time`. Throws Error when a chosen
-/// column is not there, a name is not one of the above, or there is no column of times.
+/// README.md). `choice` names the column of a signal outright, with the unit in its name. A minus before it turns the
+/// sign. `:deg` after it makes radians of degrees whatever the name says. It binds times as `time` (`COLUMN`, or
+/// `SECONDS,NANOSECONDS`), and those of the commands as `cmd_time`. Throws Error when a chosen column is not there, a
+/// name is not one of the above, or there is no column of times.
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
 
 /// Whether the signal only serves others: it tells of no motion by itself.
 bool isAuxiliary(const std::string& name);
 
-/// A sentence for each of the four loops that recordedAxes does not give, on what is missing, and one on the
+/// A sentence for each of the four loops that recordedAxes does not give, on what is missing. One more tells the
 /// places that the file has. Empty if there is no such loop.
 std::vector<std::string> missingAxes(const FlightSignals& signals);
 
 /// The loops whose command and response are both there, of: roll, pitch, yaw_rate, thrust.
 std::vector<std::string> recordedAxes(const FlightSignals& signals);
 
-/// Command and response of one loop. The response of thrust is the acceleration along the body's z that is
-/// not gravity's, from the accelerometer or else from the vertical velocity and the tilt. Throws Error.
+/// Command and response of one loop. The response of thrust is the acceleration along the body's z that is not
+/// gravity's. It comes from the accelerometer, or else from the vertical velocity and the tilt. Throws Error.
 AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis);
 
 }  // namespace polyfly

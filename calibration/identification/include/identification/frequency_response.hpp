@@ -19,9 +19,9 @@ struct FrequencyPoint {
   double command_power = 0.0;
 };
 
-/// Averaged over overlapping Hann windows of `block` seconds in all segments (Welch), at `points` frequencies
-/// evenly spaced on a logarithmic scale from two periods in a block to `greatest` [Hz]. Empty if no segment
-/// holds two blocks' worth of data. A mean that the response was smoothed by is part of what is measured.
+/// Averaged over overlapping Hann windows of `block` seconds in all segments (Welch). The `points` frequencies are
+/// evenly spaced on a logarithmic scale from two periods in a block to `greatest` [Hz]. Empty if no segment holds two
+/// blocks' worth of data. A mean that the response was smoothed by is part of what is measured.
 std::vector<FrequencyPoint> measureFrequencyResponse(const std::vector<LoopSegment>& segments, double block,
                                                      double greatest, int points);
 

@@ -68,8 +68,8 @@ double durationOf(const std::vector<double>& time);
 /// of the others.
 std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps);
 
-/// What may be wrong with the times of a series of which nothing can be used, to end a sentence with: that
-/// they jump, or are not in seconds. Empty if neither.
+/// The end of a sentence on a series of which nothing can be used: what may be wrong with its times. They jump, or
+/// are not in seconds. Empty if neither.
 std::string whyUnusable(const TimeSeries& series);
 
 /// What the far steps of a clean series leave of the windows; nothing shorter than two samples.
@@ -80,9 +80,9 @@ std::vector<TimeWindow> cutAtFarSteps(const std::vector<TimeWindow>& windows,
 std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
                                        const std::vector<RejectedWindow>& others);
 
-/// The series with finite samples of increasing time only. Where its times jump far, the pieces between are
-/// put in the order of their times first, so that a clock that was set back costs no more than what overlaps.
-/// Throws Error when times and values differ in number.
+/// The series with finite samples of increasing time only. Where its times jump far, the pieces between are put in
+/// the order of their times first. So a clock that was set back costs no more than what overlaps. Throws Error when
+/// times and values differ in number.
 TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts);
 
 /// The same, where nobody asks what was taken out.
@@ -97,8 +97,8 @@ struct LoopSegment {
   std::vector<double> time;
   /// Response, one value for each time.
   std::vector<double> response;
-  /// The command before and during the segment: the first entry is in force at the segment's start even after
-  /// the greatest delay, unless the record begins later.
+  /// The command before and during the segment. The first entry is in force at the segment's start even after the
+  /// greatest delay, unless the record begins later.
   TimeSeries command;
   /// Smoothing of the record, see LoopRecord [s].
   double smoothing = 0.0;
@@ -119,10 +119,9 @@ constexpr double kLongestPeriod = 2.0;  // [s]
 std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector<TimeWindow>& windows,
                                      double reach, std::size_t least_samples = 20);
 
-/// Sliding mean over [t - half_width, t + half_width] of a quantity whose integral over time is `integral`:
-/// the slope of the straight line fitted to the integral. With half_width 0 the difference quotient of the
-/// neighbours. Where fewer than three samples are in reach the result is that of the three nearest. All sizes
-/// equal, at least 3.
+/// Sliding mean over [t - half_width, t + half_width] of a quantity whose integral over time is `integral`. It is the
+/// slope of the straight line fitted to the integral. With half_width 0 the difference quotient of the neighbours.
+/// Where fewer than three samples are in reach the result is that of the three nearest. All sizes equal, at least 3.
 std::vector<double> smoothedMean(const std::vector<double>& time, const std::vector<double>& integral,
                                  double half_width);
 

@@ -49,9 +49,9 @@ constexpr double kLeastValidation = 50.0;
 /// segments; standard errors follow from the covariance of `with_delay`.
 LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>& segments);
 
-/// Sentences on why no controller may be given this model of a loop: a poor fit, a poor or no validation, an
-/// interval that holds zero, too little excitation, a gain of another unit, a number at the end of its search
-/// range. `bounds` are those of the fit. Empty if it is supported.
+/// Sentences on why no controller may be given this model of a loop. The reasons are a poor fit, a poor or no
+/// validation, an interval that holds zero, or too little excitation. Others are a gain of another unit, and a number
+/// at the end of its search range. `bounds` are those of the fit. Empty if it is supported.
 std::vector<std::string> reasonsAgainst(const ControllerModel& model, const std::string& axis,
                                         const FitOptions& bounds);
 

@@ -122,15 +122,15 @@ struct WindFit : MotionFit {
   std::vector<double> east;   ///< [m/s]
 };
 
-/// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s], each with the mean
-/// disturbance beside it; names drag_x, offset_x ... And those of the rotors along the body's heading and to
+/// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s]. Each has the mean
+/// disturbance beside it; names drag_x, offset_x, and so on. Then those of the rotors along the body's heading and to
 /// its left, with one mean disturbance in W; names drag_forward, drag_left.
 MotionFit fitDrag(const Motion& motion);
 
-/// Heading misalignment: the angle by which the direction of the measured acceleration is turned, about z up,
-/// from the direction in which the attitude tilts the thrust [rad]; name heading_misalignment. Velocities of an
-/// odometry and an attitude whose frames agree give 0. Warns where it is not 0, and where the vehicle tilts too
-/// little. With the thrust's own scale, an isotropic drag and a mean disturbance as further unknowns.
+/// Heading misalignment: the angle about z up, from the direction in which the attitude tilts the thrust to that of
+/// the measured acceleration [rad]. Its name is heading_misalignment. Velocities of an odometry and an attitude whose
+/// frames agree give 0. Warns where it is not 0, and where the vehicle tilts too little. With the thrust's own scale,
+/// an isotropic drag and a mean disturbance as further unknowns.
 MotionFit fitHeading(const Motion& motion);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle

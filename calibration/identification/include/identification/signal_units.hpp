@@ -14,11 +14,11 @@ namespace polyfly {
 /// - a command is as great as its response, if the response has passed its own check or the command is beyond pi;
 /// - the accelerometer shows gravity.
 ///
-/// A factor is certain if the two signals correlate by 0.8 and differ by 57.3 (degrees), 5730 (hundredths of degrees)
-/// or 100, up to 30 %, and the size of one of them cannot be that of a flight. Returns a sentence for each signal that
-/// was converted or dropped, and for each sign that differs. Drops an accelerometer without gravity. Throws Error
-/// naming file, signal and factor where a factor is clear but not which of two signals is wrong, and where an angle is
-/// beyond pi again and again and no rate tells its unit.
+/// A factor is certain under three conditions. The two signals correlate by 0.8. They differ by 57.3 (degrees), 5730
+/// (hundredths of degrees) or 100, up to 30 %. The size of one of them cannot be that of a flight. Returns a sentence
+/// for each signal that was converted or dropped, and for each sign that differs. Drops an accelerometer without
+/// gravity. Throws Error naming file, signal and factor where a factor is clear but not which of two signals is
+/// wrong. Also where an angle is beyond pi again and again and no rate tells its unit.
 std::vector<std::string> settleUnits(FlightSignals* signals);
 
 }  // namespace polyfly

@@ -60,16 +60,17 @@ struct ThrustFlights {
   std::vector<std::vector<TimeWindow>> windows;
 };
 
-/// Fits the thrust along the body's z, mass times the specific force, to thrust_cmd through a lag, a delay and the
-/// inverse of a polynomial in the thrust. So noise of the accelerometer does not make the curve flatter. Further
-/// unknowns are a drag against the climb rate along the body's z, and what the battery does: the command counts
-/// times (voltage / mean voltage)^exponent, or without a voltage in all flights times a factor that drifts in time.
+/// Fits the thrust along the body's z, mass times the specific force, to thrust_cmd. The model is a lag, a delay and
+/// the inverse of a polynomial in the thrust. So noise of the accelerometer does not make the curve flatter. Further
+/// unknowns are a drag against the climb rate along the body's z, and the effect of the battery. The command counts
+/// times (voltage / mean voltage)^exponent. Without a voltage in all flights, it counts times a factor that drifts in
+/// time.
 ///
 /// Parameters are the commands at the thrusts of the curve, hover_command, voltage_exponent or drift, drag_climb [1/s].
 /// Of several flights they are random-effects means, and the polynomial goes through them.
 ///
-/// Throws Error naming source and signal; where thrust_cmd exceeds 1 or is negative, where the thrust does not rise
-/// with it, or no stretch is long enough.
+/// Throws Error naming source and signal. Also where thrust_cmd exceeds 1 or is negative, where the thrust does not
+/// rise with it, or no stretch is long enough.
 ThrustFit fitThrust(const ThrustFlights& flights, const ThrustOptions& options);
 
 }  // namespace polyfly

@@ -17,8 +17,8 @@ MultirotorOptions parseControllerOptions(const std::string& text, const std::str
 /// Default of `nonlinear/period` [s].
 constexpr double kPreviewPeriod = 0.1;
 
-/// `nonlinear/period` of the same text [s]: the time between the references ahead that all laws of the node read, and the
-/// sampling time of maps that can look ahead.
+/// `nonlinear/period` of the same text [s]. It is the time between the references ahead that all laws of the node
+/// read, and the sampling time of maps that can look ahead.
 double parsePreviewPeriod(const std::string& text, const std::string& source);
 
 }  // namespace polyfly

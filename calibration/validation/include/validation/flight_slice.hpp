@@ -8,9 +8,9 @@
 
 namespace polyfly {
 
-/// The slice of an axis' map that shows a flight: through position and velocity error, with each other parameter at its
-/// median over the samples inside the map. Without such samples it is at 0, or at the bound nearest to it.
-/// `axis`: 0 longitudinal, 1 lateral, 2 vertical.
+/// The slice of an axis' map that shows a flight, through position and velocity error. Each other parameter is at its
+/// median over the samples inside the map. Without such samples it is at 0, or at the bound nearest to it. `axis`: 0
+/// longitudinal, 1 lateral, 2 vertical.
 SliceRequest flightSlice(const std::vector<ReplaySample>& samples, const RegionMap& map, std::size_t axis);
 
 }  // namespace polyfly

@@ -18,8 +18,8 @@ struct Percentiles {
 /// Nearest-rank percentiles; all 0 for no values.
 Percentiles percentiles(std::vector<double> values);
 
-/// Time of one look-up with its law, measured over batches of `batch` different parameters so that the
-/// clock's own resolution does not matter; each value is a batch's mean.
+/// Time of one look-up with its law, measured over batches of `batch` different parameters. So the clock's own
+/// resolution does not matter. Each value is a batch's mean.
 struct LookupTimes {
   /// Look-up times with the parameters in the order of the flight [ns].
   std::vector<double> in_order;

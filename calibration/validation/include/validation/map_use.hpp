@@ -34,10 +34,10 @@ struct ParameterUse {
   std::size_t outside = 0;
   /// Samples in each bin. Samples beyond the range are in the end bins.
   std::array<std::size_t, kBins> histogram{};
-  /// Least way that this parameter alone could still have gone, down or up, before the map ended: its range
-  /// or its last region. Of samples inside; infinite if there are none, and where nothing leads beyond:
-  /// for the previous input where its range holds all that the input may be, and for the disturbance ahead, which is clipped
-  /// [unit].
+  /// Least way that this parameter alone could still have gone, down or up, before the map ended: its range or its
+  /// last region. Of samples inside; infinite if there are none, and where nothing leads beyond. That is so for the
+  /// previous input where its range holds all that the input may be. It is so too for the disturbance ahead, which is
+  /// clipped [unit].
   double room = std::numeric_limits<double>::infinity();
 
   /// Distance from what was met to the nearer end of the range; negative beyond it [unit].

@@ -8,9 +8,9 @@
 
 namespace polyfly {
 
-/// The pictures of a disturbance, drag, mass, thrust, heading or wind: what was used of the flight; of each trace measured
-/// against model over time with residuals, their quantiles, and the model against what it depends on; of wind
-/// the circle of velocities.
+/// The pictures of a disturbance, drag, mass, thrust, heading or wind. One shows what was used of the flight. Each
+/// trace has measured against model over time with residuals, their quantiles, and the model against what it depends
+/// on. Wind has the circle of velocities.
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration);
 
 /// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.

@@ -26,13 +26,11 @@ struct BagTopics {
 using BagQuestion = std::function<std::optional<std::size_t>(const std::string& question,
                                                              const std::vector<std::string>& choices)>;
 
-/// Reads a flight. Odometry, commands and one of trajectory and pose must be there. What is damaged is left
-/// out and told in the log's remarks: a bag that was cut off or has no index gives its whole chunks
-/// (bags/scan_bag.hpp). Throws polyfly::Error naming file, topic and rule when the file is missing, empty or
-/// no bag, when a topic is missing or of another type, or when a message breaks the rules of
-/// online_controller_ros/conversions.hpp.
-/// `ask` may say which topic of the right type is meant where odometry, commands or references are not found
-/// by their names.
+/// Reads a flight. Odometry, commands and one of trajectory and pose must be there. What is damaged is left out and
+/// told in the log's remarks. A bag that was cut off or has no index gives its complete chunks (bags/scan_bag.hpp).
+/// Throws polyfly::Error naming file, topic and rule when the file is missing, empty or no bag. Also when a topic is
+/// missing or of another type, or when a message breaks the rules of online_controller_ros/conversions.hpp. `ask` may
+/// say which topic of the right type is meant where odometry, commands or references are not found by their names.
 polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress = {},
                            const BagQuestion& ask = {});
 

@@ -14,10 +14,10 @@ namespace polyfly_ros {
 
 /// Keeps the coverage of the three maps while flying, from the controller's own account.
 ///
-/// In: controller_status (online_controller/ControllerStatus). Out, once each `period` of wall time:
-/// coverage (diagnostic_msgs/DiagnosticArray), one status per axis: samples, share inside, regions visited,
-/// least distance to the map's edge and its parameter, and parameters that left their range. OK: inside all
-/// the time; WARN: was outside since the start; ERROR: the maps are not those that fly.
+/// In: controller_status (online_controller/ControllerStatus). Out, once each `period` of wall time: coverage
+/// (diagnostic_msgs/DiagnosticArray), one status per axis. It has samples, share inside, regions visited, least
+/// distance to the map's edge and its parameter, and parameters that left their range. OK: inside all the time; WARN:
+/// was outside since the start; ERROR: the maps are not those that fly.
 ///
 /// Private parameters: maps/longitudinal, maps/lateral, maps/vertical (paths, as the controller has them),
 /// period [s], summary (path of a JSON file, written at the end; empty: none).

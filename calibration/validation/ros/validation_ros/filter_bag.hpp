@@ -15,8 +15,9 @@ struct FilterTopics {
   std::string status = "filter_status";  ///< may be missing
 };
 
-/// Reads what a safety filter received. What is damaged is left out and told in the log's remarks. Throws polyfly::Error
-/// naming file, topic and rule when the file is missing, empty or no bag, or when a topic is missing or of another type.
+/// Reads what a safety filter received. What is damaged is left out and told in the log's remarks. Throws
+/// polyfly::Error naming file, topic and rule when the file is missing, empty or no bag. Also when a topic is missing
+/// or of another type.
 polyfly::FilterLog readFilterBag(const std::string& path, const FilterTopics& topics,
                                  const BagProgress& progress = {});
 

@@ -39,8 +39,8 @@ class TopicReader {
   /// of the one before. Throws Error.
   void scan(const std::vector<std::string>& names, const BagProgress& progress);
 
-  /// The namespace of the vehicle with slashes on both sides: the given one, or where that is empty, the one in which the
-  /// topic `command` of type mav_msgs/RollPitchYawrateThrust lies. Throws Error where there are several.
+  /// The namespace of the vehicle with slashes on both sides. It is the given one. Where that is empty, it is the one
+  /// of the topic `command` of type mav_msgs/RollPitchYawrateThrust. Throws Error where there are several.
   std::string findPrefix(const std::string& name_space, const std::string& command) const;
 
   bool has(const std::string& topic) const { return types_.count(topic) > 0; }

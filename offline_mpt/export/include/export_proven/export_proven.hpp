@@ -30,8 +30,8 @@ struct ExportProofOptions {
 /// be proven or made, and when stopped.
 ProvenExport proveExport(const RegionMap& map, ExportOptions options, const ExportProofOptions& proof = {});
 
-/// To be called before the work. Throws Error where `name` is no name of code, `folder` is empty, or one of the four
-/// files of writeExport cannot be written or is one of `inputs` (checkOutputs).
+/// To be called before the work. Throws Error where `name` is no name of code, or `folder` is empty. It also throws
+/// where one of the four files of writeExport cannot be written or is one of `inputs` (checkOutputs).
 void checkExportOutputs(const std::string& folder, const std::string& name,
                         const std::vector<std::string>& inputs);
 

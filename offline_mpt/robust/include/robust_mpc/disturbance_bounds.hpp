@@ -39,16 +39,16 @@ struct ChannelBounds {
 
 struct DisturbanceBounds {
   std::vector<ChannelBounds> channels;
-  /// Share of x_{k+1} - A x_k - B u_k that no disturbance of the model explains, root mean square relative to
-  /// the whole, states weighed alike in half ranges of their errors: near 1 says that the model is wrong.
+  /// Share of x_{k+1} - A x_k - B u_k that no disturbance of the model explains, root mean square relative to the
+  /// whole. States are weighed alike in half ranges of their errors. Near 1 says that the model is wrong.
   double unexplained = 0.0;
 };
 
-/// Disturbances that act at each step of recorded flights, w_k = G^+ (x_{k+1} - A x_k - B u_k), and for each
-/// channel the shortest range between order statistics of equal rank from both ends that holds `coverage`
-/// with `confidence`, whatever their distribution (Wilks, 1941). A flight is rows of states, then inputs, one
-/// sampling time apart; rows with a NaN split it. Throws Error when there is no pair of rows, options are out
-/// of range, or columns of G depend on each other.
+/// Disturbances that act at each step of recorded flights, w_k = G^+ (x_{k+1} - A x_k - B u_k), and a range for each
+/// channel. It is the shortest range between order statistics of equal rank from both ends that holds `coverage` with
+/// `confidence`. That holds whatever their distribution (Wilks, 1941). A flight is rows of states, then inputs, one
+/// sampling time apart; rows with a NaN split it. Throws Error when there is no pair of rows, options are out of
+/// range, or columns of G depend on each other.
 DisturbanceBounds boundDisturbances(const RobustProblem& problem,
                                     const std::vector<std::vector<std::vector<double>>>& flights,
                                     const BoundsOptions& options);

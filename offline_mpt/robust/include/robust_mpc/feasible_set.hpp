@@ -64,17 +64,16 @@ struct ProjectOptions {
   std::function<void(const std::vector<FeasibleSet::Facet>&)> save;
 };
 
-/// By outer approximation: each vertex of the polyhedron so far is tested by a linear program (how far must
-/// it be moved towards an interior point), and its dual solution, solved again in fractions, is a facet that
-/// cuts it off; until every vertex is feasible. Throws Error when no theta in the box has a solution with
-/// room around it.
+/// By outer approximation, until every vertex is feasible. A linear program tests each vertex of the polyhedron so
+/// far: how far must it be moved towards an interior point? Its dual solution, solved again in fractions, is a facet
+/// that cuts the vertex off. Throws Error when no theta in the box has a solution with room around it.
 FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOptions& options = {});
 
 /// Writes the half-spaces by their parts, as JSON, to a file that replaces `path` when it is whole. Throws Error.
 void writeCuts(const std::string& path, const std::vector<FeasibleSet::Facet>& cuts);
 
-/// Reads them back and proves each by its parts, as proveFacets does: so whatever the file holds, a projection that
-/// begins with them ends with the same set. Throws Error that names `path` and the half-space.
+/// Reads them back and proves each by its parts, as proveFacets does. So a projection that begins with them ends with
+/// the same set, whatever the file holds. Throws Error that names `path` and the half-space.
 std::vector<FeasibleSet::Facet> readCuts(const std::string& path, const RobustProgram& program);
 
 /// Checks that each facet is the weighted sum of its parts, in which the predictions cancel: then no feasible

@@ -10,9 +10,9 @@ namespace polyfly {
 ///
 ///     min c'z  s.t.  A z <= b + S theta,   z = (V, L, tau, Gamma, Omega)
 ///
-/// with V of N inputs, L of Eq. 16 by rows of its strictly lower blocks, Gamma one entry for each output of
-/// each stage and disturbance, Omega likewise for each row of E_x and E_u. Besides Eq. 34: tau >= floor, the
-/// rows of an invariance rule, and L held at its values where it is not free.
+/// V has N inputs, and L is that of Eq. 16, by rows of its strictly lower blocks. Gamma has one entry for each output
+/// of each stage and disturbance, Omega likewise for each row of E_x and E_u. Besides Eq. 34: tau >= floor, the rows
+/// of an invariance rule, and L held at its values where it is not free.
 struct FullProgram {
   Eigen::VectorXd c;
   Eigen::MatrixXd A;

@@ -10,8 +10,8 @@
 
 namespace polyfly {
 
-/// The first input u_0 of a robust problem, solved at each theta by OnlineLp in floating point: what a map of
-/// that problem is compared with in a validation.
+/// The first input u_0 of a robust problem, solved at each theta by OnlineLp in floating point. A validation compares
+/// a map of that problem with it.
 class OnlineRobustLaw {
  public:
   explicit OnlineRobustLaw(const RobustProblem& problem);

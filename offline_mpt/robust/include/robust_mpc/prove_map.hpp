@@ -20,9 +20,9 @@ struct RobustWitness {
   Rational excess;
 };
 
-/// What was proven of a robust map in fractions. Disturbances are never sampled: bounds on the plan hold by
-/// the robust counterpart at every vertex of the feasible set, hence everywhere, and once more for one step
-/// by enumerating the vertices of the box of disturbances at every vertex of every region.
+/// What was proven of a robust map in fractions. Disturbances are never sampled. Bounds on the plan hold by the
+/// robust counterpart at every vertex of the feasible set, hence everywhere. For one step they hold once more, by
+/// enumerating the vertices of the box of disturbances at every vertex of every region.
 struct RobustProof {
   std::uint64_t facets = 0;
   std::uint64_t vertices = 0;
@@ -49,8 +49,8 @@ struct RobustProof {
     int parameter = 0;
     /// Greatest excess, in half widths of the box.
     double excess = 0.0;
-    /// No row of the program but those of the peak depends on it, as on a position without bounds: with the
-    /// parameter cut to its box the map's plan still meets all bounds, and only tau is not promised.
+    /// No row of the program but those of the peak depends on it, as on a position without bounds. With the parameter
+    /// cut to its box, the map's plan still meets all bounds. Only tau is not promised.
     bool clips_safely = false;
   };
   std::vector<BoxExit> box_exits;

@@ -44,8 +44,8 @@ struct RobustLaw {
 /// Regions are those of full dimension.
 RobustLaw explicitLaw(const RobustProblem& problem, const FeasibleSet& set);
 
-/// What a map is encoded from: the law for the input that is applied, u_0 = u~_0 + references' part (and tau,
-/// with peak_in_map), rounded to doubles; and a program that carries names, boxes and the problem text but no
+/// What a map is encoded from. The partition has the law for the input that is applied, u_0 = u~_0 + references' part
+/// (and tau, with peak_in_map), rounded to doubles. The program carries names, boxes and the problem text but no
 /// rows.
 struct RoundedLaw {
   ParametricProgram program;

@@ -57,9 +57,9 @@ struct RobustProgram {
 /// the problem has not one input, or that set is empty or not reached.
 RobustProgram buildRobustProgram(const RobustProblem& problem);
 
-/// The maximal robust control invariant set within all bounds on x and u, as half-spaces in theta: of the
-/// smallest part of theta that moves by itself and holds all bounded states. Throws Error naming the state
-/// that has no range, or when the set is empty or not reached.
+/// The maximal robust control invariant set within all bounds on x and u, as half-spaces in theta. It is that of the
+/// smallest part of theta that moves by itself and holds all bounded states. Throws Error naming the state that has
+/// no range, or when the set is empty or not reached.
 ExactPolytope invariantParameters(const RobustProblem& problem);
 
 /// Sums of a row for given values; exact.

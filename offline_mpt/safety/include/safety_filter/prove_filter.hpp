@@ -11,9 +11,9 @@ namespace polyfly {
 
 class RegionMap;
 
-/// What holds of a safe set, decided in fractions from the doubles of the problem. Statements 1 to 4 together:
-/// from any state of S, every admissible input leads into S, whatever the disturbances, errors and delay; there
-/// always is one; and the true state is in its ranges at all times, between samples too.
+/// What holds of a safe set, decided in fractions from the doubles of the problem. Statements 1 to 4 together say
+/// this. From any state of S, every admissible input leads into S, whatever the disturbances, errors and delay. There
+/// always is one. The true state is in its ranges at all times, between samples too.
 struct FilterProof {
   /// 1. S is bounded and not empty.
   bool bounded = false;
@@ -21,8 +21,8 @@ struct FilterProof {
   std::size_t vertices = 0;
   /// 2. S lies within the ranges, less measurement error and excursion between samples.
   bool inside = false;
-  /// 3. For every state within the ranges and every admissible input, xi+ is in S for each corner of the
-  /// uncertainty, with the slack left: one half-space at a time.
+  /// 3. For every state within the ranges and every admissible input, xi+ is in S for each corner of the uncertainty,
+  /// with the slack left. One half-space is decided at a time.
   bool stays = false;
   std::size_t admissible_rows = 0;
   /// 4. At each vertex of S, and so in all of S, some input is admissible.
@@ -50,8 +50,8 @@ struct FilterAnswers {
   /// The law of each region with an empty active set is the wish itself, bit for bit, and there is such a
   /// region. Which states and wishes it holds, is what `certify` proves.
   bool passes_wishes = false;
-  /// An answer of a look-up, limited to the range of the input, breaks no row by more than the slack, so the
-  /// next state is in S. Counted: the tolerance of look-ups at half-spaces, and rounding of doubles.
+  /// An answer of a look-up, limited to the range of the input, breaks no row by more than the slack. So the next
+  /// state is in S. Counted: the tolerance of look-ups at half-spaces, and rounding of doubles.
   bool within_slack = false;
   /// The greatest part of the slack that an answer needs, rounded.
   double used = 0.0;

@@ -9,9 +9,9 @@ namespace polyfly {
 ///
 ///     xi+ = A xi + B u + c + w,   |w_i| <= W_i,   u in [u_lower, u_upper]
 ///
-/// xi is the measured state, followed by the input before where there is a delay. While xi is in
-/// [lower, upper] at the samples, and in one convex set with all its successors, the true state is in the
-/// ranges of the problem at all times.
+/// xi is the measured state, followed by the input before where there is a delay. Let xi be in [lower, upper] at the
+/// samples, and in one convex set with all its successors. Then the true state is in the ranges of the problem at all
+/// times.
 struct UncertainModel {
   RationalMatrix A;  ///< n x n
   RationalMatrix B;  ///< n x nu
@@ -31,11 +31,11 @@ struct UncertainModel {
   int inputCount() const { return B.columns(); }
 };
 
-/// Samples the model of a problem. W bounds, entry by entry, the sum of: disturbances that vary in any way
-/// within the period; errors of measurement at both samples; the error of the applied input; what the series
-/// of the matrix exponential leaves out, and its rounding. Numbers of the problem count as the doubles that
-/// they are. Throws Error when the period is too long for the model's fastest mode, or when a range vanishes
-/// under errors and excursion.
+/// Samples the model of a problem. W bounds a sum, entry by entry. Its terms are disturbances that vary in any way
+/// within the period, errors of measurement at both samples, and the error of the applied input. Further terms are
+/// what the series of the matrix exponential leaves out, and its rounding. Numbers of the problem count as the
+/// doubles that they are. Throws Error when the period is too long for the model's fastest mode, or when a range
+/// vanishes under errors and excursion.
 UncertainModel uncertainModel(const SafetyFilterProblem& problem);
 
 }  // namespace polyfly

@@ -23,8 +23,8 @@ struct ClosedLoopModel {
   ExactPolytope D;
 };
 
-/// Binds a model's signals to a map's by name. Throws Error when a parameter of the map is neither a state
-/// nor a parameter of the model, one of the model's is not in the map, inputs differ, or units do.
+/// Binds a model's signals to a map's by name. Throws Error when a parameter of the map is neither a state nor a
+/// parameter of the model. Also when one of the model's is not in the map, and when inputs or units differ.
 ClosedLoopModel bindModel(const SetModel& model, const RegionMap& map);
 
 struct AnalyzeOptions {
@@ -64,8 +64,8 @@ struct AnalyzeWitness {
   bool verified = false;
 };
 
-/// What was found of the closed loop. All of it is exact but for numbers that are named as rounded: the map's
-/// doubles and the model's numbers count at their exact values, u = K theta + k is taken without rounding.
+/// What was found of the closed loop. All of it is exact but for numbers that are named as rounded. The map's doubles
+/// and the model's numbers count at their exact values. u = K theta + k is taken without rounding.
 struct AnalyzeReport {
   /// The tolerance t.
   double tolerance = 0.0;  ///< [scaled]
@@ -91,9 +91,9 @@ struct AnalyzeReport {
   /// A point of P in no region, where P is not covered.
   std::optional<RationalVector> gap;
 
-  /// For every region, theta in it or in a sliver that is given to it, d in D: theta+ lies in the target,
-  /// each half-space moved out by t. The target is P; where P is not covered and not `within`, the union of
-  /// the regions as they are.
+  /// For every region and d in D: let theta lie in the region, or in a sliver that is given to it. Then theta+ lies
+  /// in the target, with each half-space moved out by t. The target is P; where P is not covered and not `within`,
+  /// the union of the regions as they are.
   bool successors_inside = false;
   bool target_is_union = false;
   /// Greatest excess over regions and facets, rounded up. 0: no tolerance is needed.

@@ -29,13 +29,13 @@ class TightSet {
   std::vector<std::uint64_t> words_;
 };
 
-/// The cone {y : row . y >= 0 for all rows} by its generators, kept up to date while rows are added: the
-/// double description method (Motzkin, Raiffa, Thompson and Thrall, 1953; Fukuda and Prodon, 1996), in whole
-/// numbers, without rounding. Every y of the cone is a sum of rays with weights >= 0 and lines with any
-/// weights; no ray can be left out.
+/// The cone {y : row . y >= 0 for all rows} by its generators, kept up to date while rows are added. This is the
+/// double description method (Motzkin, Raiffa, Thompson and Thrall, 1953; Fukuda and Prodon, 1996), in whole numbers,
+/// without rounding. Every y of the cone is a sum of rays with weights >= 0 and lines with any weights; no ray can be
+/// left out.
 ///
-/// The number of rays may grow exponentially with the dimension before it falls again; a cell of a few dozen
-/// rows in up to 8 dimensions takes milliseconds.
+/// The number of rays may grow exponentially with the dimension before it falls again. A cell of a few dozen rows in
+/// up to 8 dimensions takes milliseconds.
 class DoubleDescription {
  public:
   struct Ray {

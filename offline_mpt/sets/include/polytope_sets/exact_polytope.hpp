@@ -43,9 +43,9 @@ std::vector<RationalVector> vertices(const ExactPolytope& set);
 ExactPolytope hull(int dimension, const Generators& generators);
 ExactPolytope hull(int dimension, const std::vector<RationalVector>& points);
 
-/// The same set without redundant rows: each row left is a facet, in the order they had, the first of equal
-/// ones; what holds with equality everywhere is an equality, each independent of those before. Rows and
-/// equalities are scaled to whole numbers without a common factor. The empty set is the one row 0 . x <= -1.
+/// The same set without redundant rows. Each row left is a facet, in the order they had, the first of equal ones.
+/// What holds with equality everywhere is an equality, each independent of those before. Rows and equalities are
+/// scaled to whole numbers without a common factor. The empty set is the one row 0 . x <= -1.
 ExactPolytope minimal(const ExactPolytope& set);
 
 /// What a linear program over a set answers.
@@ -92,10 +92,10 @@ ExactPolytope affineImage(const ExactPolytope& set, const RationalMatrix& M, con
 /// {x : M x + m in set}.
 ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m = {});
 
-/// How a projection is computed. Both are exact. kGenerators lists the vertices, drops coordinates and takes
-/// the hull: good for many dropped coordinates and few vertices. kElimination is Fourier and Motzkin's, one
-/// coordinate at a time, with redundant rows removed after each: good for few dropped coordinates of a set
-/// with many vertices; a step can square the number of rows before they are removed.
+/// How a projection is computed. Both are exact. kGenerators lists the vertices, drops coordinates and takes the
+/// hull: good for many dropped coordinates and few vertices. kElimination is Fourier and Motzkin's, one coordinate at
+/// a time, with redundant rows removed after each. It is good for few dropped coordinates of a set with many
+/// vertices. A step can square the number of rows before they are removed.
 enum class ProjectionMethod { kGenerators, kElimination };
 
 /// {x_keep : x in set}, coordinates in the order of `keep` (from 0, each at most once).

@@ -43,9 +43,9 @@ struct InvariantSet {
 /// the intersection with S is what the recursion needs. Without inputs it is the set of states that stay.
 ExactPolytope predecessor(const SetModel& model, const ExactPolytope& set);
 
-/// The maximal robust control invariant set in X (without disturbances: control invariant; without inputs:
-/// positively invariant): C_0 = X, C_{k+1} = Pre(C_k), until C_{k+1} = C_k (Bertsekas, 1972; Blanchini,
-/// 1999). A parameter that is no state must not be in the model. Throws Error when X or U is unbounded.
+/// The maximal robust control invariant set in X. Without disturbances it is control invariant, without inputs
+/// positively invariant. C_0 = X, C_{k+1} = Pre(C_k), until C_{k+1} = C_k (Bertsekas, 1972; Blanchini, 1999). A
+/// parameter that is no state must not be in the model. Throws Error when X or U is unbounded.
 InvariantSet maximalInvariantSet(const SetModel& model, const InvariantOptions& options = {});
 
 /// Decides in fractions whether every state of `set` has an input that keeps it there for all disturbances.
@@ -63,9 +63,9 @@ struct AffineMode {
   RationalVector c;
 };
 
-/// The maximal set of states that never leave the union of the regions of a piecewise-affine closed loop,
-/// which must be convex and be given as `domain`. The result is in general not convex: polytopes without
-/// common interior, each within one region. Exact.
+/// The maximal set of states that never leave the union of the regions of a piecewise-affine closed loop. The union
+/// must be convex and be given as `domain`. The result is in general not convex: polytopes without common interior,
+/// each within one region. Exact.
 struct InvariantUnion {
   InvariantSet::Status status = InvariantSet::Status::kLimit;
   std::vector<ExactPolytope> parts;

@@ -20,8 +20,8 @@ struct ModelParameter {
 
 /// x+ = A x + B u + A_p q + E d + c,  x in X, u in U, d in D, with q the values of `parameters`.
 ///
-/// Sizes: x nx, u nu, d nd, q nq; any but nx may be 0. X and U may be unbounded in a model that only says how
-/// the state moves; D is bounded and not empty (the one point of zero dimensions when nd = 0).
+/// Sizes: x nx, u nu, d nd, q nq; any but nx may be 0. X and U may be unbounded in a model that only says how the
+/// state moves. D is bounded and not empty (the one point of zero dimensions when nd = 0).
 struct SetModel {
   std::string name;
   std::vector<ModelSignal> states;

@@ -259,7 +259,7 @@ BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) 
 }
 
 // Of slacks that nearly repeat each other, a dictionary may lose all digits by which they differ, since it pivots on
-// such differences. FloatLp factorises the rows themselves at each step. Each row is left out in turn if the others
+// such differences. FloatLp factorises the rows themselves where it stops. Each row is left out in turn if the others
 // imply it: first those that they imply but for rounding, since behind them there is nothing, and then the others.
 BuildStatus RegionBuilder::decideNearRows(double tolerance) {
   const auto is_near = [&](int row) {

@@ -39,13 +39,13 @@ struct FollowedReference {
 bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
                 const Eigen::Vector3d& velocity) noexcept;
 
-/// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about
-/// roll and pitch, as a Kalman filter finds it from the measured attitude.
+/// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about roll and
+/// pitch. A Kalman filter finds it from the measured attitude.
 ///
-/// The trim: the commands at which odometry sees the vehicle level, those of the options and what is found
-/// beside them. So neither an inner loop of another gain, nor a frame that is not aligned, nor a centre of
-/// mass off the middle (an external moment) leaves an offset: an estimate of the force alone cannot explain
-/// them. Estimates of more than kMost are none: the vehicle is held by something.
+/// The trim: the commands at which odometry sees the vehicle level, those of the options and what is found beside
+/// them. So no offset is left by an inner loop of another gain, or by a frame that is not aligned. None is left by a
+/// centre of mass off the middle (an external moment). An estimate of the force alone cannot explain these. Estimates
+/// of more than kMost are none: the vehicle is held by something.
 ///
 /// The coupling c: what a yaw rate r does to a tilted vehicle,
 ///
@@ -82,12 +82,12 @@ class AttitudeTrim {
   TiltAngles angles() const noexcept;
   double coupling() const noexcept { return coupling_; }
 
-  /// The trim to be level with when nothing corrects it any more: what is found counts only after it has lain
-  /// within its bound for kSettled, which is as long as it takes to find it.
+  /// The trim to be level with when nothing corrects it any more. What is found counts only after it has lain within
+  /// its bound for kSettled. That is as long as it takes to find it.
   TiltAngles level() const noexcept;
   static constexpr double kSettled = 4.0;  ///< [s]
 
-  /// What makes the vehicle's loops those of a law whose model has `wanted` for the coupling: the trim, and
+  /// What makes the vehicle's loops those of a law whose model has `wanted` for the coupling. It is the trim, and
   /// what undoes the coupling that was found. To be added to a command with that yaw rate [rad].
   TiltAngles added(const TiltAngles& tilt, double yaw_rate, double wanted) const noexcept;
 

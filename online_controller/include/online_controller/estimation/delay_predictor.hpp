@@ -16,9 +16,9 @@ namespace polyfly {
 /// at t + delay follows from the measured one by Eq. 37, driven by these commands under the estimated disturbance. A law
 /// that is given this state, and references from t + delay on, has no dead time to account for.
 ///
-/// The estimates are the predictor's own: external force, trim and coupling of the attitude loops (AttitudeTrim). They
-/// come from measured states and the commands that acted between them. Without them the predicted state would be off by
-/// the disturbance times the delay, and a law that estimates a disturbance itself would leave an offset.
+/// The estimates are the predictor's own: external force, trim and coupling of the attitude loops (AttitudeTrim).
+/// They come from measured states and the commands that acted between them. Without them the predicted state would be
+/// off by the disturbance times the delay. A law that estimates a disturbance itself would then leave an offset.
 ///
 /// The memory is fixed. ahead() integrates over each command that acts meanwhile in steps of at most 0.02 s: at most
 /// kMostCommands + 25 times integrateStage(). Nothing after construction throws, allocates, locks, logs or reads a clock.

@@ -15,13 +15,13 @@ namespace polyfly {
 /// Standard deviation of the drag over mass that a model leaves out [1/s].
 constexpr double kDragDeviation = 0.2;
 
-/// Kalman filter for position, velocity and external force of Eq. 37. The specific force of the rotors
-/// follows from the attitude, which is measured, and the thrust that was sent, so the rest of the model is
-/// linear and its steady-state gain is exact at any tilt:
+/// Kalman filter for position, velocity and external force of Eq. 37. The specific force of the rotors follows from
+/// the measured attitude and the thrust that was sent. So the rest of the model is linear, and its steady-state gain
+/// is exact at any tilt:
 ///
 ///     p' = v,  v' = R e_z T - g e_z - R A R' v + d,  d' = 0, or d' = r and r' = -r / 1 s.
 ///
-/// The drag that A leaves out can be found too: the force is then d - c v, with a c [1/s] each along x and y of W.
+/// The drag that A leaves out can be found too. The force is then d - c v, with a c [1/s] each along x and y of W.
 class ForceObserver {
  public:
   static constexpr int kMaxPeriods = DisturbanceObserver::kMaxPeriods;

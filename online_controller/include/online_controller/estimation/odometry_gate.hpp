@@ -19,7 +19,7 @@ namespace polyfly {
 ///
 /// A wrong attitude drives the vehicle away; level attitude does not. So another attitude is accepted only after
 /// hold_periods and level_periods, when the FailsafePolicy would begin to descend. It is not accepted while the mean
-/// velocity differs by more than 0.2 m/s from the motion of the positions: then only the attitude is wrong.
+/// velocity differs by more than 0.2 m/s from the motion of the positions. Then only the attitude is wrong.
 class OdometryGate {
  public:
   struct Verdict {

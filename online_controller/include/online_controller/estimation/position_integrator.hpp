@@ -10,8 +10,8 @@ namespace polyfly {
 /// The integral of the position error, as a disturbance that the targets answer: for what the observer's
 /// model explains wrongly. Optional; offset-free tracking does not need it.
 ///
-/// Against wind-up an axis integrates only while its error lies within antiwindup_ball and the last command
-/// was the law's own and within all limits; the integral of the error is bounded by integral_limit.
+/// Against wind-up an axis integrates only while its error lies within antiwindup_ball. The last command must also be
+/// the law's own and within all limits. The integral of the error is bounded by integral_limit.
 class PositionIntegrator {
  public:
   explicit PositionIntegrator(const MultirotorOptions& options) noexcept : options_(options) {}

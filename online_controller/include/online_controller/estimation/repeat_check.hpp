@@ -12,9 +12,8 @@ namespace polyfly {
 /// - commands have asked for as long for another motion than the first of these samples was answered with:
 ///   0.05 rad of tilt or 0.1 rad/s with thrust that carries the vehicle, or thrust that lifts it.
 ///
-/// A repetition alone is none: a simulator at rest or in equilibrium says the same again and again, and so
-/// does whoever publishes slow odometry more often, for less than repeat_time. A twist of zero is the same as
-/// none.
+/// A repetition alone does not count. A simulator at rest or in equilibrium says the same again and again. So does a
+/// publisher of slow odometry at a higher rate, for less than repeat_time. A twist of zero is the same as none.
 class RepeatCheck {
  public:
   /// Takes the next sample, a valid one. Whether odometry has repeated itself for longer than `repeat_time`

@@ -29,9 +29,8 @@ struct VehicleEstimate {
 };
 
 /// Kalman filters for position, velocity, attitude, rates, external force and external moment: the force by
-/// ForceObserver, the moments about each axis by the attitude's model. Whole periods between samples are
-/// counted from the stamps; a gap or a stamp that goes back starts the state anew and keeps, or forgets, the
-/// rest.
+/// ForceObserver, the moments about each axis by the attitude's model. Whole periods between samples are counted from
+/// the stamps. A gap or a stamp that goes back starts the state anew. A gap keeps the rest, such a stamp forgets it.
 ///
 /// Calibration at hover takes the mean of force and moment for what is the model's fault: a wrong mass, a
 /// thrust curve, a trim. After it they are subtracted.

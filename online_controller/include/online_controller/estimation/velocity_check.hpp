@@ -10,9 +10,9 @@ namespace polyfly {
 /// cannot, because from sample to sample the difference is small. A vehicle at rest tells nothing.
 class VelocityCheck {
  public:
-  /// Takes a sample in its order of time. True while in each of the last two windows of a second the
-  /// integrated velocity missed the way between the positions by more than 0.2 m and 30 % of the way. A gap
-  /// of half a second or a stamp that goes back begins anew.
+  /// Takes a sample in its order of time. Compares the integrated velocity with the way between the positions over
+  /// windows of a second. True while each of the last two windows differs by more than 0.2 m and 30 % of the way. A
+  /// gap of half a second or a stamp that goes back begins anew.
   bool contradicts(const VehicleState& state) noexcept;
 
   void restart() noexcept { *this = VelocityCheck(); }

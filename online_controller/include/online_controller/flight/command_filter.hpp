@@ -34,8 +34,8 @@ enum class FilterStatus : std::uint8_t {
 
 struct FilterAxisReport {
   FilterStatus status = FilterStatus::kPassed;
-  /// What the map looked up, without the wish: position [m], velocity [m/s], and where the map has them the measured
-  /// acceleration and the input of the step before [m/s^2].
+  /// What the map looked up, without the wish: position [m] and velocity [m/s]. Where the map has them, also the
+  /// measured acceleration and the input of the step before [m/s^2].
   std::array<double, 4> xi{};
   double wish = 0.0;   ///< [m/s^2]
   double input = 0.0;  ///< [m/s^2]
@@ -51,7 +51,7 @@ struct FilterReport {
   std::array<FilterAxisReport, 3> axes;
 };
 
-/// Safety filters (maps of type safety_filter) between a controller and the attitude controller: position and
+/// Safety filters (maps of type safety_filter) between a controller and the attitude controller. Position and
 /// velocity stay in the maps' ranges (geofence, speed), acceleration in those of their inputs (tilt, thrust).
 ///
 /// A command is taken as the acceleration that it makes at the measured yaw, R e3 T / m - g e3. Each axis is
@@ -61,8 +61,9 @@ class CommandFilter {
  public:
   /// Maps of one to three of the world's axes x, y, z: parameters p_x [m], v_x [m/s], perhaps a_x_before, and
   /// a_x_wish [m/s^2], input a_x [m/s^2]. Where the attitude lags behind its command, maps of x and y may have the
-  /// acceleration as third state a_x, and then the input a_x_cmd. Throws Error for other maps, two of one axis, different periods, and
-  /// where the vehicle's limits of thrust cannot make all accelerations in the ranges of the inputs.
+  /// acceleration as third state a_x, and then the input a_x_cmd. Throws Error for other maps, two of one axis, and
+  /// different periods. Also where the vehicle's limits of thrust cannot make all accelerations in the ranges of the
+  /// inputs.
   CommandFilter(std::vector<RegionMap> maps, const MultirotorOptions& options);
 
   /// The command for one period. Neither state nor wish needs to be finite.
@@ -107,8 +108,8 @@ class CommandFilter {
   FilterReport report_;
 };
 
-/// The input in its range with the least violation of a safe set's admissible rows, in units of the rows of H:
-/// of problems with one input. `xi` holds problem.augmentedCount() numbers. Allocates nothing.
+/// The input in its range with the least violation of a safe set's admissible rows, in units of the rows of H. For
+/// problems with one input. `xi` holds problem.augmentedCount() numbers. Allocates nothing.
 double leastViolation(const SafetyFilterProblem& problem, const double* xi) noexcept;
 
 }  // namespace polyfly

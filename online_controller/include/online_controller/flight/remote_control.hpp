@@ -31,8 +31,9 @@ bool isActive(const RemoteControl& sticks, double zone) noexcept;
 AttitudeCommand manualCommand(const RemoteControl& sticks, const FlightOptions& options,
                               const MultirotorOptions& vehicle) noexcept;
 
-/// The pose that the sticks ask for: in each axis (horizontal plane, height, yaw) whose stick is out of the
-/// dead zone up to rc_teleop_max_carrot_distance ahead of where the vehicle is, in the others that of `held`.
+/// The pose that the sticks ask for. The axes are horizontal plane, height and yaw. Where a stick is out of the dead
+/// zone, the pose is up to rc_teleop_max_carrot_distance ahead of the vehicle. In the other axes it is that of
+/// `held`.
 Reference carrot(const RemoteControl& sticks, const VehicleState& state, const Reference& held,
                  const FlightOptions& options) noexcept;
 

@@ -19,9 +19,9 @@ namespace polyfly {
 
 class RegionMap;
 
-/// Signals that a map must have to serve an axis, by name. One that bounds states themselves has the references of these
-/// states too. The map of a minimum-peak robust MPC has the errors, and may have the references of velocity and
-/// input; without that of the input it is for a target that needs none.
+/// Signals that a map must have to serve an axis, by name. One that bounds states themselves has the references of
+/// these states too. The map of a minimum-peak robust MPC has the errors, and may have the references of velocity and
+/// input. Without that of the input it is for a target that needs none.
 struct AxisNames {
   const char* axis;
   const char* position_error;
@@ -106,8 +106,8 @@ struct AxisTarget {
 
 /// One axis of the linear controllers: signals bound by name, observer, target, law.
 ///
-/// The axis is a chain p' = v, v' = -drag v + G s + B_d d, where s is the input itself (vertical) or a tilt
-/// angle that follows the input: with a lag of first order, s' = a s + b u, or of second, s'' = a s + c s' + b u, where
+/// The axis is a chain p' = v, v' = -drag v + G s + B_d d. Here s is the input itself (vertical) or a tilt angle that
+/// follows the input. A lag of first order is s' = a s + b u. One of second order is s'' = a s + c s' + b u, where
 /// the error of s' is a parameter. The numbers are read off the law's problem.
 class Axis {
  public:
@@ -117,11 +117,11 @@ class Axis {
   /// Keeps a reference to `map`. Throws Error.
   Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options);
 
-  /// Eq. 6 in the frame that moves with the reference: e = x - x_ref obeys the model with the equivalent
-  /// disturbance B_d d_eq = B_d d - drag v_ref - a_ref, and (s_ref, u_ref) is its steady state. When a_ref
-  /// or d changes, s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration
-  /// feed-forward of Eq. 41 is part of u_ref, hence of what the map's constraints limit. A lag of second order has
-  /// u_ref = -(a s_ref + c s_ref') / b: the second derivative of a_ref is not known.
+  /// Eq. 6 in the frame that moves with the reference. There e = x - x_ref obeys the model with the equivalent
+  /// disturbance B_d d_eq = B_d d - drag v_ref - a_ref. Its steady state is (s_ref, u_ref). When a_ref or d changes,
+  /// s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration feed-forward of
+  /// Eq. 41 is part of u_ref, hence of what the map's constraints limit. A lag of second order has u_ref = -(a s_ref
+  /// + c s_ref') / b: the second derivative of a_ref is not known.
   AxisTarget target(const AxisReference& reference, double disturbance,
                     double disturbance_rate) const noexcept;
 
@@ -141,7 +141,7 @@ class Axis {
   /// Of the last evaluate(), see ControlLaw::kktResidual.
   double kktResidual() const noexcept { return answering(answered_beyond_).kktResidual(); }
 
-  /// The axis in error coordinates, one stage after the other: open loop along the plan of an online law,
+  /// The axis in error coordinates, one stage after the other. It is open loop along the plan of an online law, and
   /// closed loop through the map of an explicit one.
   struct Prediction {
     int stage = 0;
@@ -173,9 +173,10 @@ class Axis {
   /// Whether the next evaluations look ahead to the references of setStage, or take theirs for that of all stages.
   ///
   /// A law that is solved online takes the reference of each stage. A map has a parameter for a short model of the
-  /// references ahead: a disturbance of the error that stays constant over the horizon, as a reference has whose velocity
-  /// changes evenly and is not told in advance. For other references the disturbance is taken that changes the input as
-  /// much where no bound is active. It is clipped to the parameter's range: beyond it the map looks ahead less.
+  /// references ahead. It is a disturbance of the error that stays constant over the horizon. A reference whose
+  /// velocity changes evenly, and is not told in advance, has such a one. For other references the disturbance is
+  /// taken that changes the input as much where no bound is active. It is clipped to the parameter's range: beyond it
+  /// the map looks ahead less.
   void aim(bool look_ahead) noexcept;
 
   /// Position of the reference at a stage, from where the first stage's reference would have led [m]; 0 without
@@ -192,8 +193,8 @@ class Axis {
   /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) answers as at
   ///   the nearest errors that have one, see NearestFeasible: kLeastViolation, with the working sets in `iterations`.
   ///
-  /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it: the bounds, and
-  /// nothing else, are then those of the model's input with the offset.
+  /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it. Then the bounds, and
+  /// nothing else, are those of the model's input with the offset.
   ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                          double input_offset, AxisReport& report) noexcept;
 

@@ -69,8 +69,8 @@ class ControlLaw {
   /// What can be done for the next step without its sample.
   virtual void prepare() noexcept {}
 
-  /// In place of step() while another law flies: updates the observer and takes `sent` for its own last
-  /// command, so that the next step() goes on from there.
+  /// In place of step() while another law flies. Updates the observer and takes `sent` for its own last command, so
+  /// that the next step() goes on from there.
   virtual void track(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
 
   virtual void forget(LawMemory what) noexcept = 0;
@@ -78,9 +78,9 @@ class ControlLaw {
   /// What the observer begins with: a disturbance that is known from elsewhere [m/s^2].
   virtual void setDisturbance(const Eigen::Vector3d& disturbance) noexcept = 0;
 
-  /// Goes on where `from` is, a law of the same kind made from other options or maps: observer, last
-  /// command (within the limits of this one), solution. For the time after step() and before prepare(). A
-  /// law of another kind is ignored.
+  /// Goes on where `from` is, a law of the same kind made from other options or maps. Takes its observer, last
+  /// command (within the limits of this one), and solution. For the time after step() and before prepare(). A law of
+  /// another kind is ignored.
   virtual void transferState(const ControlLaw& from) noexcept = 0;
 
   /// Looks at the last step, between step() and prepare(). `preview` holds the references at the times of the

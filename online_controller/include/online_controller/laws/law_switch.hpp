@@ -15,12 +15,12 @@ enum class Law : std::uint8_t {};
 
 /// The laws of a flight, and what is sent where the active one has no answer (FailsafePolicy).
 ///
-/// One of the laws is active, the others track what is sent. So a switch in flight has no bump: the next law's observer is
-/// up to date, and its last command is the one that was sent.
+/// One of the laws is active, the others track what is sent. So a switch in flight has no step in the command. The
+/// next law's observer is up to date, and its last command is the one that was sent.
 ///
-/// With a dead time (vehicle/delay, or else that of the first law's model, or else of another's) all laws are given the
-/// state that the vehicle will have when the command acts, see DelayPredictor, and are to be given references from lead()
-/// on.
+/// The dead time is vehicle/delay, or else that of the first law's model, or else of another's. With one, all laws
+/// are given the state that the vehicle will have when the command acts, see DelayPredictor. They are to be given
+/// references from lead() on.
 ///
 /// None of the functions after construction throws, allocates, locks, logs or reads a clock.
 class LawSwitch {
@@ -68,9 +68,9 @@ class LawSwitch {
   /// In place of step() when the sample cannot be used: the next level of the FailsafePolicy.
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept;
 
-  /// When odometry is silent at time `now` [s], once in each control period: the FailsafePolicy from level
-  /// attitude on, because the receiver has held the last command already; with the reason kStale. That the
-  /// silence is long enough is for the caller to judge.
+  /// When odometry is silent at time `now` [s], once in each control period. The FailsafePolicy begins with level
+  /// attitude, because the receiver has held the last command already. The reason is kStale. That the silence is long
+  /// enough is for the caller to judge.
   const ControlReport& onSilence(double now) noexcept;
 
   /// Of all laws; see ControlLaw.

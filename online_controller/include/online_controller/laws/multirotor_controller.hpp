@@ -23,16 +23,16 @@ class RegionMap;
 /// Each answer is a finite command within the limits. A parameter out of its range is answered as Axis::evaluate says.
 /// There is no answer without a region, and with NaN or absurd numbers in odometry or reference.
 ///
-/// Maps of a minimum-peak robust MPC promise peaks and bounds at their sampling time only: with them the laws
-/// are evaluated that often, and their inputs are held in the world frame in between, where Eq. 40 and 41 are
-/// computed with each sample. The report then holds the last evaluation.
+/// Maps of a minimum-peak robust MPC promise peaks and bounds at their sampling time only. With them the laws are
+/// evaluated that often. Their inputs are held in the world frame in between, where Eq. 40 and 41 are computed with
+/// each sample. The report then holds the last evaluation.
 ///
 /// The same calls after construction or reset give the same bits.
 class MultirotorController : public ControlLaw {
  public:
-  /// Maps in the order longitudinal, lateral, vertical; kept by reference. The model comes from the problem
-  /// text in each map. Throws Error naming map, signal and rule when a map's signals are not those of its
-  /// axis, and when the sampling times of minimum-peak maps differ or are not whole control periods.
+  /// Maps in the order longitudinal, lateral, vertical; kept by reference. The model comes from the problem text in
+  /// each map. Throws Error naming map, signal and rule when a map's signals are not those of its axis. Also when the
+  /// sampling times of minimum-peak maps differ or are not whole control periods.
   MultirotorController(const std::array<const RegionMap*, 3>& maps, const MultirotorOptions& options);
 
   /// The same with the problems in the maps, the results of problemOf(): see explicitAxisLaw().

@@ -14,10 +14,10 @@ namespace polyfly {
 /// Nonlinear MPC of a multirotor (Eq. 43): force observer, references made consistent with the model, one
 /// real-time iteration in each step.
 ///
-/// Yaw is predicted over the horizon with the rate that the yaw controller will command, and enters the model
-/// as a function of time. The references of attitude, commands and lift are those which follow position,
-/// velocity and acceleration of the preview exactly under the estimated disturbance (the model is flat), so
-/// nothing that is weighted contradicts the path, and no offset is left.
+/// Yaw is predicted over the horizon with the rate that the yaw controller will command, and enters the model as a
+/// function of time. The references of attitude, commands and lift follow position, velocity and acceleration of the
+/// preview exactly, under the estimated disturbance. They exist because the model is flat. So nothing that is
+/// weighted contradicts the path, and no offset is left.
 ///
 /// Each answer is a finite command within the limits. A state far from the predicted one starts the iteration anew.
 class NonlinearController : public ControlLaw {

@@ -78,7 +78,7 @@ void visitMultirotorParameters(Parameters& parameters, Visit&& visit) {
 }
 
 /// The parameters in a YAML file, by the rules of the node. Throws Error naming file, field and rule where the node
-/// would not start with them: unknown keys, types, ranges, limits that contradict each other, the thrust curve.
+/// would not start with them. It checks keys, types, ranges, limits that contradict each other, and the thrust curve.
 /// Maps and problem files are not read.
 MultirotorParameters parseMultirotorParameters(const std::string& text, const std::string& source);
 

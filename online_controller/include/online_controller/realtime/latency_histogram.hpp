@@ -12,8 +12,8 @@ class LatencyHistogram {
  public:
   void record(std::int64_t nanoseconds) noexcept;
 
-  /// The duration that `share` (0 to 1) of those recorded do not exceed: the upper end of its bin, so never
-  /// too small, and at most 1/16 too great. 0 when there is none [ns].
+  /// The duration that `share` (0 to 1) of those recorded do not exceed. It is the upper end of its bin, so never too
+  /// small, and at most 1/16 too great. 0 when there is none [ns].
   std::int64_t percentile(double share) const noexcept;
 
   std::int64_t count() const noexcept;

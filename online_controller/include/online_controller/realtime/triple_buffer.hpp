@@ -5,9 +5,9 @@
 
 namespace polyfly {
 
-/// Passes the latest value of one writing thread to one reading thread. Neither waits for the other, and a
-/// value is never seen half written: the writer fills one buffer, the reader looks at another, and the third
-/// one lies between them.
+/// Passes the latest value of one writing thread to one reading thread. Neither waits for the other, and a value is
+/// never seen half written. The writer fills one buffer, the reader looks at another, and the third one lies between
+/// them.
 template <class T>
 class TripleBuffer {
  public:

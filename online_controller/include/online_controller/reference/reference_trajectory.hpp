@@ -67,8 +67,8 @@ class ReferenceTrajectory {
   /// Becomes such a pose. Allocates only where no trajectory was before.
   void becomePose(const Eigen::Vector3d& position, double yaw);
 
-  /// The trajectory `first` until the start of `second`, which begins `offset` [s] after it, later than its
-  /// end: the way from the last point of the one to the first of the other is part of it.
+  /// The trajectory `first` until the start of `second`, which begins `offset` [s] after it, later than its end. The
+  /// way from the last point of the one to the first of the other is part of it.
   static ReferenceTrajectory joined(const ReferenceTrajectory& first, const ReferenceTrajectory& second,
                                     double offset);
 

@@ -4,9 +4,9 @@
 
 namespace polyfly {
 
-/// The attitude loops as an observer of moments sees them, with the names and defaults of mav_control_rw:
-/// angle'' = omega^2 (gain command - angle) - 2 damping omega angle' + moment about roll and pitch, and
-/// rate' = omega (gain command - rate) + moment about yaw, whose command is a rate.
+/// The attitude loops as an observer of moments sees them, with the names and defaults of mav_control_rw. About roll
+/// and pitch, angle'' = omega^2 (gain command - angle) - 2 damping omega angle' + moment. About yaw, whose command is
+/// a rate, rate' = omega (gain command - rate) + moment.
 struct MomentModel {
   double roll_omega = 7.07;    ///< [rad/s]
   double roll_damping = 0.72;  ///< [1]

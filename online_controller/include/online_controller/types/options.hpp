@@ -4,9 +4,9 @@
 
 namespace polyfly {
 
-/// What the Kalman filters of forces and moments reckon with, the laws' and the published one: variances of
-/// the model's error in a control period, and of a measurement. Only their ratios shape the gains. Names and
-/// meaning are those of mav_control_rw; its q_force is the square of controller/disturbance_drift.
+/// Variances that the Kalman filters of forces and moments use, the laws' and the published one. They are those of
+/// the model's error in a control period, and of a measurement. Only their ratios shape the gains. Names and meaning
+/// are those of mav_control_rw; its q_force is the square of controller/disturbance_drift.
 struct ObserverNoise {
   double q_position = 2.5e-7;        ///< [m^2]
   double q_velocity = 2.5e-5;        ///< [m^2/s^2]
@@ -76,12 +76,12 @@ struct MultirotorOptions {
   double repeat_time = 0.1;
   /// Drift of the disturbance per control period in the observer's model: a greater one follows faster [m/s^2].
   double disturbance_drift = 0.005;
-  /// Drift of the disturbance's rate per control period in the model of the laws' observers, which follow what turns with
-  /// the path the better the greater it is; 0: no rate. A push then moves the commands' references more, and a delay that
-  /// is not known matters more. The robust law has none [m/s^3].
+  /// Drift of the disturbance's rate per control period in the model of the laws' observers; 0: no rate. The greater
+  /// it is, the better they follow what turns with the path. A push then moves the commands' references more, and a
+  /// delay that is not known matters more. The robust law has none [m/s^3].
   double disturbance_rate_drift = 0.0;
-  /// Whether the laws find in flight by how much drag, gain and lag of the vehicle differ from their model, and correct
-  /// their references by that. Needs offset_free, gain and lag also trim_drift. The robust law does not.
+  /// Whether the laws find in flight by how much drag, gain and lag of the vehicle differ from their model. They
+  /// correct their references by that. Needs offset_free, gain and lag also trim_drift. The robust law does not.
   bool adapt_model = true;
   ObserverNoise noise;
   /// Drift of the attitude's trim per control period; 0: only the given trim [rad].

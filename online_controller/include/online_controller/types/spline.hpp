@@ -14,9 +14,9 @@ struct Knot {
 };
 
 /// Slopes and curvatures at the knots of the cubic spline through them: the curve whose second derivative is
-/// continuous. At an end the given slope holds where `first_given` or `last_given` says so; else the piece
-/// there is a parabola, so that parabolas come out exactly. At least two knots, times increasing. Source: the
-/// usual tridiagonal equations for the slopes, which are regular for all such knots.
+/// continuous. At an end the given slope holds where `first_given` or `last_given` says so. Else the piece there is a
+/// parabola, so that parabolas come out exactly. At least two knots, times increasing. Source: the usual tridiagonal
+/// equations for the slopes, which are regular for all such knots.
 void fitSpline(std::vector<Knot>& knots, bool first_given, bool last_given);
 
 }  // namespace polyfly

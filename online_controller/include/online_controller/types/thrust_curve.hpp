@@ -20,9 +20,9 @@ struct ThrustCurveOptions {
 /// Thrust in newtons to an autopilot's thrust.
 class ThrustCurve {
  public:
-  /// `thrust_min`, `thrust_max` [N] are the limits of what the controller asks for, `hover` [N] the weight.
-  /// Throws Error: limits outside 0 to 1 or crossed, a polynomial that does not increase over all that can be
-  /// asked for or leaves the limits at hover.
+  /// `thrust_min`, `thrust_max` [N] are the limits of what the controller asks for, `hover` [N] the weight. Throws
+  /// Error for limits outside 0 to 1 or crossed. Also for a polynomial that does not increase over all that can be
+  /// asked for, or leaves the limits at hover.
   ThrustCurve(const ThrustCurveOptions& options, double thrust_min, double thrust_max, double hover);
 
   /// Within the limits for every `thrust` [N]: the lower one without thrust and for NaN. A polynomial is

@@ -146,8 +146,8 @@ struct ControlReport {
   double coupling = 0.0;
 };
 
-/// Whether an explicit law's map did not hold a parameter, and the answer comes from another place: solved online
-/// (kOptimal), or looked up at other parameters (kClipped, kLeastViolation).
+/// Whether an explicit law's map did not hold a parameter, and the answer comes from another place. It was solved
+/// online (kOptimal), or looked up at other parameters (kClipped, kLeastViolation).
 constexpr bool isOutsideMap(const ControlReport& report) noexcept {
   return isAnswer(report.status) &&
          (report.reason == ControlReason::kOutsideBox || report.reason == ControlReason::kOutsidePartition);

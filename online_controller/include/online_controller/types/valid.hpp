@@ -4,7 +4,8 @@
 
 namespace polyfly {
 
-/// Finite and of a magnitude of at most 1e6. Large finite numbers would poison an observer as surely as NaN does.
+/// Finite and of a magnitude of at most 1e6. Large finite numbers would make an observer's estimate as useless as NaN
+/// does.
 bool isValidNumber(double value) noexcept;
 
 /// All numbers are valid, and a quaternion has unit length within 5 %.

@@ -22,11 +22,10 @@ struct AppliedCalibration {
 ///   is the parameter e_v_x, e_v_y or e_v_z; each must be above zero with its interval;
 /// - kind disturbance: the range of the disturbance that ends in _x, _y or _z, where the problem bounds it.
 ///
-/// The numbers are written into the text, so a map carries them and where they come from: the key
-/// `provenance` lists each file, its checksum, its data and the fields. Throws Error naming file, field and
-/// rule; when a calibration has nothing for this problem; when its data are those of a fixed wing; when they
-/// do not support a number that the problem would take (`supported` is not true); and when the result is no
-/// problem.
+/// The numbers are written into the text, so a map carries them and where they come from. The key `provenance` lists
+/// each file, its checksum, its data and the fields. Throws Error naming file, field and rule. It throws when a
+/// calibration has nothing for this problem, and when its data are those of a fixed wing. It throws when they do not
+/// support a number that the problem would take (`supported` is not true), and when the result is no problem.
 AppliedCalibration applyCalibrations(const std::string& problem, const std::string& source,
                                      const std::vector<CalibrationFile>& calibrations);
 

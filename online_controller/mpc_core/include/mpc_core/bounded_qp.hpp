@@ -30,16 +30,16 @@ struct QpVectors {
 ///     min_x 1/2 x'Hx + g'x + sum_i p_i v_i   s.t.   lower <= x <= upper,
 ///                                                   row_lower - v <= A x <= row_upper + v,  v >= 0.
 ///
-/// A row with an infinite penalty p_i (the default) is hard. A finite one relaxes it in the l1 norm: the row
-/// holds exactly as long as its multiplier stays below p_i, and the problem always has a solution.
+/// A row with an infinite penalty p_i (the default) is hard. A finite one relaxes it in the l1 norm, so the problem
+/// always has a solution. The row holds exactly as long as its multiplier stays below p_i.
 ///
-/// The first phase is a primal-dual active-set method (Kunisch and Rendl, 2003): it predicts all active bounds at once
-/// from the signs of slacks and multipliers. On most control problems it ends in a few rounds, at the optimum of the
-/// box. The second phase is for the rows, and for problems where the first does not end: a dual active-set method
-/// (Goldfarb and Idnani, 1983), which is finite.
+/// The first phase is a primal-dual active-set method (Kunisch and Rendl, 2003). It predicts all active bounds at
+/// once from the signs of slacks and multipliers. On most control problems it ends in a few rounds, at the optimum of
+/// the box. The second phase is for the rows, and for problems where the first does not end. It is a dual active-set
+/// method (Goldfarb and Idnani, 1983), which is finite.
 ///
-/// Each working set is factorised: the Hessian of the free variables or the Gram matrix A H^-1 A' of the active
-/// constraints, whichever is less work. Rows and columns of a Gram matrix that did not change keep their factor. No
+/// Each working set is factorised, by what is less work. That is the Hessian of the free variables or the Gram matrix
+/// A H^-1 A' of the active constraints. Rows and columns of a Gram matrix that did not change keep their factor. No
 /// factor is updated, so no rounding is carried from one working set to the next.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread. The same
@@ -86,9 +86,10 @@ class BoundedQp {
   const QpSide* activeSet() const noexcept;  ///< n + m, bounds first
   int iterations() const noexcept;           ///< working sets tried
 
-  /// Greatest violation of the KKT conditions at x() and multipliers(): stationarity relative to the
-  /// greatest entry of g (at least 1), bounds, signs of multipliers and complementarity by the distance to
-  /// the bound. Costs as much as n (n + m) multiplications; it shares nothing with the solution but H and A.
+  /// Greatest violation of the KKT conditions at x() and multipliers(). Stationarity is relative to the greatest
+  /// entry of g (at least 1). A bound counts by how far it is exceeded. A multiplier off its bound counts by the
+  /// distance to that bound, or by its own relative size where that is less. Costs as much as n (n + m)
+  /// multiplications; it shares nothing with the solution but H and A.
   double kktResidual() const noexcept;
 
   /// Greatest amount by which x() violates a row, 0 without rows.

@@ -8,10 +8,10 @@ namespace polyfly {
 /// What a model leaves out in proportion to a signal r that is known: the disturbance is w - c r. An observer estimates w,
 /// this class c.
 ///
-/// The observer is linear, so the derivatives of its estimates by c are those of an observer of the same gain that is
-/// driven by -r and measures 0. With the innovation's derivative c follows by recursive least squares, and each change of
-/// c moves the observer's estimates along their derivatives (Friedland's separation of a bias). c begins at 0 with a given
-/// standard deviation, stays within three of them, and is forgotten in kForgetTime.
+/// The observer is linear. So the derivatives of its estimates by c are those of an observer of the same gain, driven
+/// by -r and with measurements 0. With the innovation's derivative, c follows by recursive least squares. Each change
+/// of c moves the observer's estimates along their derivatives (Friedland's separation of a bias). c begins at 0 with
+/// a given standard deviation, stays within three of them, and is forgotten in kForgetTime.
 ///
 /// The signal should be a reference: one that is measured has noise in common with the innovation, which would count for
 /// c. Where the reference rests nothing is learnt, whatever pushes the vehicle.

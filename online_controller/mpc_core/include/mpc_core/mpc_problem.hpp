@@ -119,10 +119,10 @@ MpcProblem loadProblem(const std::string& path);
 /// As loadProblem, from text; `source` is used in errors.
 MpcProblem parseProblem(const std::string& text, const std::string& source);
 
-/// What a controller in flight needs of either type of problem: all of a tracking_mpc; of a robust_mpc
-/// (region_maps/problems/robust) names, ranges of the inputs, matrices with G as Bd_c, sampling time and the
-/// parameters with role error, whose map was solved offline. Throws Error; the model must be in continuous
-/// time.
+/// What a controller in flight needs of either type of problem. Of a tracking_mpc that is all. The map of a
+/// robust_mpc (region_maps/problems/robust) was solved offline. Of it, the controller needs names, ranges of the
+/// inputs, matrices with G as Bd_c, sampling time, and the parameters with role error. Throws Error; the model must
+/// be in continuous time.
 MpcProblem parseFlightModel(const std::string& text, const std::string& source);
 
 /// Zero-order hold over `period` seconds by the matrix exponential (Eq. 42). A discrete model is taken as it is where

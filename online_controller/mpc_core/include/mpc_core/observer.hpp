@@ -30,8 +30,8 @@ struct ObserverOptions {
   double rate_time = 1.0;
 };
 
-/// Observer of Eq. 5 for one axis whose whole state is measured: it estimates the constant disturbance d that
-/// the model leaves unexplained, so that the targets of Eq. 6 remove the offset.
+/// Observer of Eq. 5 for one axis whose whole state is measured. It estimates the constant disturbance d that the
+/// model leaves unexplained. So the targets of Eq. 6 remove the offset.
 ///
 /// The filter form is used, so that an estimate uses the sample it comes with:
 ///     x^- = A x + B u + Bd d,  d^- = d             (once per period)

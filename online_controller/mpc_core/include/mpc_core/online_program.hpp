@@ -8,8 +8,8 @@
 
 namespace polyfly {
 
-/// A parametric program solved at one parameter after the other, as in flight: rows with a single entry are
-/// bounds of that variable, the others stay rows. Each solution starts from the active set of the one before.
+/// A parametric program solved at one parameter after the other, as in flight. Rows with a single entry are bounds of
+/// that variable, the others stay rows. Each solution starts from the active set of the one before.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread.
 class OnlineProgram {

@@ -71,9 +71,9 @@ struct ParametricProgram {
   int inputCount() const { return static_cast<int>(inputs.size()); }
 };
 
-/// Throws Error naming `program.name` and the field when sizes disagree, an entry is not finite, H is
-/// not symmetric positive semidefinite, an equality index is out of range, or a parameter's range is
-/// empty or unbounded.
+/// Throws Error naming `program.name` and the field. It throws when sizes disagree, an entry is not finite, or H is
+/// not symmetric positive semidefinite. It also throws when an equality index is out of range, or a parameter's range
+/// is empty or unbounded.
 void checkProgram(const ParametricProgram& program);
 
 /// The same; errors name `source`, the file that the program comes from, in place of the program.

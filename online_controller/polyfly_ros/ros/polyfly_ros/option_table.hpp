@@ -12,8 +12,8 @@
 
 namespace polyfly_ros {
 
-/// What another program calls an option of ours: ours = sign theirs + offset, with sign 1 or -1, or the root
-/// of theirs: a standard deviation where they have a variance.
+/// What another program calls an option of ours. It is ours = sign theirs + offset, with sign 1 or -1. Or ours is the
+/// root of theirs: a standard deviation where they have a variance.
 struct LegacyName {
   std::string theirs;
   std::string ours;

@@ -10,9 +10,9 @@
 
 namespace polyfly_ros {
 
-/// Reads options from a node's private parameters. It is the visitor of an option list: each call reads one
-/// parameter, or leaves the default where it is not set, and throws Error naming it when its type or range is
-/// wrong.
+/// Reads options from a node's private parameters. It is the visitor of an option list. Each call reads one
+/// parameter, or leaves the default where it is not set. It throws Error naming the parameter when its type or range
+/// is wrong.
 class ParameterReader {
  public:
   explicit ParameterReader(const ros::NodeHandle& private_handle) : handle_(private_handle) {}

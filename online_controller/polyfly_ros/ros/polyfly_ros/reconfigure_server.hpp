@@ -16,10 +16,10 @@
 
 namespace polyfly_ros {
 
-/// dynamic_reconfigure for an OptionTable: the service and the two topics that rqt_reconfigure and dynparam
-/// talk to. Unlike the library's own server it tells all about changes later, those together that came
-/// meanwhile: to write parameters to the master takes milliseconds, and while a message is serialised no
-/// other thread of the process can publish.
+/// dynamic_reconfigure for an OptionTable: the service and the two topics that rqt_reconfigure and dynparam talk to.
+/// Unlike the library's own server it tells all about changes later, with those together that came meanwhile. To
+/// write parameters to the master takes milliseconds. While a message is serialised, no other thread of the process
+/// can publish.
 class ReconfigureServer {
  public:
   /// Applies the values that the table holds; throws polyfly::Error to refuse them.

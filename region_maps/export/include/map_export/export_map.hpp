@@ -86,9 +86,10 @@ struct FlashBytes {
 };
 FlashBytes exportFlashBytes(const RegionMap& map, const ExportOptions& options);
 
-/// Bytes of stack of one look-up, where addresses have up to 32 bits: arguments and automatic variables of the deepest
-/// chain of calls, in 4 bytes each or 8 of a double, the terms of a sum, and 16 bytes for each call. Compilers keep most
-/// of them in registers. Routines of the compiler for numbers that the processor does not have are not counted.
+/// Bytes of stack of one look-up, where addresses have up to 32 bits. Arguments, automatic variables and the terms of
+/// a sum count along the deepest chain of calls, in 4 bytes each or 8 of a double. Each call counts 16 bytes.
+/// Compilers keep most of them in registers. Routines of the compiler for numbers that the processor does not have
+/// are not counted.
 std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options);
 
 /// The text of NAME.h.

@@ -115,8 +115,8 @@ struct Figure {
 
 enum class ImageFormat { kSvg, kPng };
 
-/// The picture as the bytes of an image file. Runs `gnuplot`; throws Error when it is not installed or fails,
-/// or when the figure breaks a rule above (empty, sizes of x and y differ).
+/// The picture as the bytes of an image file. Runs `gnuplot`. Throws Error when it is not installed or fails, or when
+/// the figure breaks a rule above (empty, sizes of x and y differ).
 std::string renderFigure(const Figure& figure, ImageFormat format);
 
 /// Renders by the ending of `path` (.svg or .png), writes beside it and renames. Throws Error naming the

@@ -45,9 +45,8 @@ struct Slice {
   std::vector<SlicePolygon> polygons;
 };
 
-/// Cuts every region of the map. Throws Error naming the map, the parameter and the rule when a name is
-/// unknown or given twice, a value is outside the box, or a
-/// window is not in it.
+/// Cuts every region of the map. Throws Error naming the map, the parameter and the rule. A name must be known and
+/// given once, a value must be in the box, and so must a window.
 Slice slice(const RegionMap& map, const SliceRequest& request);
 
 /// "name [unit]".

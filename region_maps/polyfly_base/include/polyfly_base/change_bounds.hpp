@@ -8,10 +8,10 @@
 
 namespace polyfly {
 
-/// Keeps changes of options small while commands are sent: the thrust of the next command would follow any
-/// mass. The new value must lie within the factor and the
-/// step of the option's Range, counted from the value that was in force when the option last rested for
-/// kRest. So many small changes in a row go no further than one. Reads no clock; time is an argument [s].
+/// Keeps changes of options small while commands are sent: the thrust of the next command would follow any mass. The
+/// new value must lie within the factor and the step of the option's Range. They count from the value that was in
+/// force when the option last rested for kRest. So many small changes in a row go no further than one. Reads no
+/// clock; time is an argument [s].
 class ChangeBounds {
  public:
   /// Time without a change after which an option rests.

@@ -6,11 +6,11 @@
 
 namespace polyfly {
 
-/// A new file beside its target that takes the target's place when it is whole: readers see the old bytes or
-/// the new ones, also after a loss of power. Removed again unless it was committed; left behind only by a
-/// writer that was killed (TARGET.tmp-*). For what is too long for writeFileAtomically's one piece.
-/// Where the target is a symbolic link, the file behind it is replaced; who may read a file stays as it was.
-/// Everything throws Error, also for a target that is there and no file.
+/// A new file beside its target that takes the target's place when it is complete. Readers see the old bytes or the
+/// new ones, also after a loss of power. Removed again unless it was committed; left behind only by a writer that was
+/// killed (TARGET.tmp-*). For what is too long for writeFileAtomically's one piece. Where the target is a symbolic
+/// link, the file behind it is replaced; who may read a file stays as it was. Everything throws Error, also for a
+/// target that is there and no file.
 class FileDraft {
  public:
   explicit FileDraft(const std::string& target);

@@ -11,8 +11,8 @@
 
 namespace polyfly {
 
-/// The visitor of an option list that takes values from a YAML file of a node's parameters, by the rules of the
-/// node: an option that is not there keeps its value. Throws Error `file:line: key: rule` on a value of another
+/// The visitor of an option list that takes values from a YAML file of a node's parameters. It follows the rules of
+/// the node: an option that is not there keeps its value. Throws Error `file:line: key: rule` on a value of another
 /// type or out of its range.
 class OptionsFromYaml {
  public:

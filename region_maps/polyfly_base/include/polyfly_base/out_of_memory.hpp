@@ -58,11 +58,10 @@ inline void* reallocate(void* before, std::size_t, std::size_t size) {
 
 }  // namespace out_of_memory
 
-/// For the start of main of each tool that computes with GMP, whose own answer to a failed allocation is to
-/// abort. Its functions are in C and must not be thrown through, so memory that they do not get ends the
-/// tool: one line `TOOL: out of memory`, exit code 2. So does an exception that nobody catches, as of a
-/// thread. `tool` must last as long as the program. Nothing else is in this file, so that the checkers of
-/// proofs can use it.
+/// For the start of main of each tool that computes with GMP, whose own answer to a failed allocation is to abort.
+/// Its functions are in C and must not be thrown through. A failed allocation therefore ends the tool with one line,
+/// `TOOL: out of memory`, and exit code 2. So does an exception that nobody catches, as of a thread. `tool` must last
+/// as long as the program. Nothing else is in this file, so that the checkers of proofs can use it.
 inline void installOutOfMemoryHandler(const char* tool) {
   out_of_memory::tool = tool;
   mp_set_memory_functions(out_of_memory::allocate, out_of_memory::reallocate, nullptr);

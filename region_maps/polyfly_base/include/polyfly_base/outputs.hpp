@@ -21,11 +21,11 @@ struct Output {
   Folder folder = Folder::kExists;
 };
 
-/// To be called before the work whose results go to `outputs`, in the order in which they will be written:
-/// the folder that one makes is there for the next. Throws Error, naming the path, where one of them cannot
-/// be written: no folder, no permission, or not of its kind. Throws also where one is a file that is read
-/// (`inputs`, empty names apart) or another output, through links and other spellings. Nothing is left
-/// behind; of a file that is there, nothing changes.
+/// To be called before the work whose results go to `outputs`. They are in the order in which they will be written:
+/// the folder that one makes is there for the next. Throws Error, naming the path, where one of them cannot be
+/// written: no folder, no permission, or not of its kind. Throws also where one is a file that is read (`inputs`,
+/// empty names apart) or another output, through links and other spellings. Nothing is left behind; of a file that is
+/// there, nothing changes.
 void checkOutputs(const std::vector<Output>& outputs, const std::vector<std::string>& inputs);
 
 /// Makes the folder and those above it where they are missing. Throws Error naming it.

@@ -2,8 +2,8 @@
 
 namespace polyfly {
 
-/// Admissible values of an option, ends included, and how far it may go from what was in force while commands
-/// are sent: `factor` times as great or small, and `step` beyond that. See ChangeBounds.
+/// Admissible values of an option, ends included. While commands are sent, it may become `factor` times as great or
+/// small as what was in force, and `step` beyond that. See ChangeBounds.
 struct Range {
   double least = 0.0;
   double greatest = 0.0;

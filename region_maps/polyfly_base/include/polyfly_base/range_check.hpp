@@ -6,8 +6,8 @@
 
 namespace polyfly {
 
-/// The visitor of an option list that throws Error `where: key: rule` on a number that is not finite or out of
-/// its range; without `where: ` where that is empty.
+/// The visitor of an option list that throws Error `where: key: rule` on a number that is not finite or out of its
+/// range. An empty `where` is left out with its colon.
 struct RangeCheck {
   std::string where;
 

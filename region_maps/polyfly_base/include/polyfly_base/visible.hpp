@@ -5,8 +5,8 @@
 
 namespace polyfly {
 
-/// The text for a terminal, in one line: what a terminal would act on (control characters, line ends) and
-/// bytes that are not UTF-8 become escapes as in C. Names of files, topics and signals come from outside.
+/// The text for a terminal, in one line. Control characters, line ends and bytes that are not UTF-8 become escapes as
+/// in C. Names of files, topics and signals come from outside.
 std::string visible(std::string_view text);
 
 /// The same for text of several lines, whose line ends stay.

@@ -1,4 +1,4 @@
-#include "core/checksum.hpp"
+#include "checksum.hpp"
 
 #include <cstdio>
 #include <cstring>
