@@ -32,6 +32,9 @@ TEST(MeetingRegions, HalfSpacesThatBothSidesLeaveOutAreClosed) {
   EXPECT_GT(left_out, 0u);
 }
 
+// A half-space that was left out rested on others that were left out after it.
+TEST(MeetingRegions, HalfSpacesThatAreLeftOutDoNotRestOnEachOther) { proven(nearlyMeeting(6, 3, 1e-9, 4)); }
+
 TEST(MeetingRegions, AnotherDescriptionOfARegionIsCoveredByTheMap) {
   std::uint64_t others = 0;
   for (const int horizon : {1, 2, 3}) {

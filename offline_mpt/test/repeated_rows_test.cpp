@@ -112,6 +112,11 @@ TEST(RepeatedRows, NoLookUpIsLostBetweenPlanesThatAreAllButParallel) {
   }
 }
 
+// Pivots on such half-spaces lose all digits: a leaf once left out a row that it must test.
+TEST(RepeatedRows, PivotsThatLoseDigitsLeaveOutNoRow) {
+  expectProven(repeatedThrice(106, 2, 1e-8, {4, 9, 4}));
+}
+
 // Of four such half-spaces a dictionary drops one that is needed.
 TEST(RepeatedRows, HalfSpacesThatAreAllButParallelAreToldApart) {
   for (const Repeated& made :
@@ -143,8 +148,8 @@ TEST(RepeatedRows, NoCellIsSoThinThatItsRegionsAreLost) {
   }
 }
 
-// The dictionary of the tree loses that a region reaches 5e-12 across a plane.
-TEST(RepeatedRows, WhatReachesIntoACellIsDecidedByFactors) {
+// A dictionary that drifted away from its rows once lost that a region reaches 5e-12 across a plane.
+TEST(RepeatedRows, WhatReachesIntoACellIsDecidedToTheLastDigits) {
   expectProven(repeatedThrice(122, 3, 1e-10, {4, 9, 4}));
 }
 

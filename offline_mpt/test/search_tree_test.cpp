@@ -17,6 +17,7 @@
 #include "program/normalised_program.hpp"
 #include "random_program.hpp"
 #include "region_maps/format.hpp"
+#include "tree/cell_solver.hpp"
 #include "tree/growth_limit.hpp"
 #include "tree/member_solver.hpp"
 #include "tree/tolerances.hpp"
@@ -480,10 +481,48 @@ TEST(SearchTree, DepthsOfCellsAreFoundForAsManyParametersAsAreExplored) {
   regions.planes.back() = -0.5;
   regions.rows.resize(1);
   regions.centres.assign(p, 0.0);
-  MemberSolver solver(regions, 1e-9);
-  const Cell box{{solver.whole(0)}, {}};
+  const Cell box{{MemberSolver(regions, 1e-9).whole(0)}, {}};
+  CellSolver solver(regions);
   EXPECT_NEAR(solver.depthOf(box, 0, kBelow), 0.25, 1e-12);
   EXPECT_NEAR(solver.depthOf(box, 0, kAbove), 0.75, 1e-12);
+}
+
+/// A cell within three planes a . t + slope t_2 <= width, whose a have angles of 120 degrees: it has a corner at
+/// t_2 = width / slope.
+TreeRegions needle(double slope, double width) {
+  TreeRegions regions;
+  regions.p = 3;
+  for (int k = 0; k < 3; ++k) {
+    const double angle = 2.0 * M_PI * k / 3.0;
+    const double length = std::sqrt(1.0 + slope * slope);
+    regions.planes.insert(regions.planes.end(), {std::cos(angle) / length, std::sin(angle) / length,
+                                                 slope / length, width / length});
+  }
+  return regions;
+}
+
+// Where all planes move outwards by d, the corner moves by d / slope along the axis.
+TEST(SearchTree, CornersThatRoundingMovesFarAreRecognised) {
+  for (const double slope : {1e-1, 1e-2, 1e-3, 2e-4, 1e-5, 1e-6}) {
+    const TreeRegions regions = needle(slope, 0.1 * slope);
+    CellMember member;
+    member.inner = {0.0, 0.0, -0.5};
+    CellSolver solver(regions);
+    EXPECT_EQ(solver.hasSharpCorner({{member}, {1, 2}}, 2, kBelow), slope < 1e-4) << slope;
+  }
+}
+
+// Its corners lie at right angles, on the sides of the box.
+TEST(SearchTree, AThinCellAloneHasNoSharpCorner) {
+  for (const double thickness : {1e-2, 1e-6, 1e-9}) {
+    TreeRegions regions;
+    regions.p = 2;
+    regions.planes = {1.0, 0.0, thickness, 1.0, 0.0, -thickness};
+    CellMember member;
+    member.inner = {0.0, 0.0};
+    CellSolver solver(regions);
+    EXPECT_FALSE(solver.hasSharpCorner({{member}, {1}}, 1, kAbove)) << thickness;
+  }
 }
 
 }  // namespace

@@ -221,6 +221,21 @@ class Dictionary {
     place_[entering] = -1 - j;
   }
 
+  /// How far the vertex lies from the rows that are zero there: what pivots lost by rounding. `rows` as at the start. Not a
+  /// number counts as infinite.
+  double drift(const double* rows) const {
+    double most = 0.0;
+    for (int j = 0; j < N; ++j) {
+      if (nonbasic_[j] < 0) continue;
+      const double* row = rows + static_cast<std::ptrdiff_t>(nonbasic_[j]) * (N + 1);
+      double distance = -row[N];
+      for (int q = 0; q < N; ++q) distance += row[q] * coordinate(q, 0);
+      if (std::isnan(distance)) return std::numeric_limits<double>::infinity();
+      most = std::max(most, std::abs(distance));
+    }
+    return most;
+  }
+
   /// The vertex moved along column j by `step`.
   void point(int j, double step, double* out) const {
     for (int q = 0; q < N; ++q) out[q] = coordinate(q, 0) + step * coordinate(q, j + 1);

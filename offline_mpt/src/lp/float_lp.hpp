@@ -29,6 +29,9 @@ class FloatLp {
   const std::vector<std::pair<int, double>>& weights() const { return optimum_.weights; }
   const std::vector<int>& basis() const { return optimum_.basis; }
 
+  /// Simplex pivots since construction.
+  unsigned long long pivots() const { return kernel_->pivots(); }
+
   /// Index in weights() and basis() of x_(index / 2) <= 1 (even), >= -1 (odd).
   int boxIndex(int index) const { return count() + index; }
 

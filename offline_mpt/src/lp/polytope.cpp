@@ -90,15 +90,55 @@ bool PolytopeSolver::chebyshevInBox(const double* rows, int count, double* centr
 
 bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,
                              MinimalRows& result) {
-  return plain_->minimal(rows, count, interior, tolerance, result) ||
-         minimalRationally(0, dimension_, rows, count, interior, tolerance, result);
+  if (!plain_->minimal(rows, count, interior, tolerance, result) &&
+      !minimalOneByOne(0, rows, count, interior, tolerance, result))
+    return false;
+  return !result.leaves_reach || restoreRows(rows, count, interior, tolerance, result);
+}
+
+// What was left out first may rest on a row that was left out later, and reach further than that by the angle of others.
+bool PolytopeSolver::restoreRows(const double* rows, int count, const double* interior, double tolerance,
+                                 MinimalRows& result) {
+  const int n = dimension_;
+  const auto row_of = [&](int i) { return rows + static_cast<std::ptrdiff_t>(i) * (n + 1); };
+  std::vector<double> needed;
+  for (const int facet : result.facets) needed.insert(needed.end(), row_of(facet), row_of(facet) + n + 1);
+  for (int i = 0; i < count; ++i) {
+    if (std::find(result.facets.begin(), result.facets.end(), i) != result.facets.end()) continue;
+    const double* const row = row_of(i);
+    needed.insert(needed.end(), row, row + n + 1);
+    needed.back() += tolerance::kMostBeyond;
+    double beyond[kMaxDimension];
+    if (!furthest(needed.data(), static_cast<int>(needed.size()) / (n + 1), interior, row, beyond))
+      return false;
+    const double violation = -radiusAbout(row, 1, beyond);
+    needed.back() = row[n];
+    if (violation <= tolerance) {
+      needed.resize(needed.size() - static_cast<std::size_t>(n) - 1);
+      continue;
+    }
+    const auto place = std::lower_bound(result.facets.begin(), result.facets.end(), i);
+    const auto index = place - result.facets.begin();
+    result.facets.insert(place, i);
+    result.beyond.insert(result.beyond.begin() + index * n, beyond, beyond + n);
+  }
+  return true;
 }
 
 bool PolytopeSolver::minimalBeside(int kept, const double* rows, int count, const double* interior,
                                    double tolerance, MinimalRows& result, const LooseRows& loose) {
   if (plain_->minimalBeside(kept, rows, count, interior, tolerance, result, loose)) return true;
   result.excess = std::numeric_limits<double>::infinity();
-  return minimalRationally(kept, dimension_, rows, count, interior, tolerance, result);
+  return minimalOneByOne(kept, rows, count, interior, tolerance, result);
+}
+
+// Each row starts anew, so that most of them need no rational numbers.
+bool PolytopeSolver::minimalOneByOne(int kept, const double* rows, int count, const double* interior,
+                                     double tolerance, MinimalRows& result) {
+  const auto maximise = [this](const double* left, int left_count, const double* start,
+                               const double* direction,
+                               double* point) { return furthest(left, left_count, start, direction, point); };
+  return polyfly::minimalOneByOne(kept, dimension_, rows, count, interior, tolerance, maximise, result);
 }
 
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,

@@ -22,7 +22,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     if (!dictionary_.start(rows, count, interior)) return false;
     begin(0, count, tolerance, {});
     sweep();
-    return decideAll(0, count, result);
+    return decideAll(0, count, result) && isPrecise(rows);
   }
 
   // Straight towards the rows in question: some are decided before a vertex is reached.
@@ -30,18 +30,18 @@ class KernelOf final : public PolytopeSolver::Kernel {
                      MinimalRows& result, const LooseRows& loose) override {
     dictionary_.startFree(rows, count, interior);
     begin(kept, count, tolerance, loose);
-    return decideAll(kept, count, result);
+    return decideAll(kept, count, result) && isPrecise(rows);
   }
 
   bool maximise(const double* rows, int count, const double* start, const double* direction,
                 double* point) override {
-    return dictionary_.start(rows, count, start) && climbFromHere(direction, point);
+    return dictionary_.start(rows, count, start) && climbFromHere(direction, point) && isPrecise(rows);
   }
 
   bool climb(const double* rows, int count, const double* start, const double* direction,
              double* point) override {
     dictionary_.startFree(rows, count, start);
-    return climbFromHere(direction, point);
+    return climbFromHere(direction, point) && isPrecise(rows);
   }
 
   // The dual simplex, from the corner of the box. Pivots lose digits where rows meet at sharp angles. So it counts only
@@ -79,6 +79,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
  private:
   static constexpr int kDualPivotLimit = 40 * (N + 1);
+
+  bool isPrecise(const double* rows) const { return dictionary_.drift(rows) <= tolerance::kDrift; }
 
   // -direction . t in terms of the columns.
   typename Dictionary<N>::Row objectiveOf(const double* direction) const {
@@ -195,8 +197,6 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return total > 0.0 ? bound / total : std::numeric_limits<double>::infinity();
   }
 
-  static constexpr double kReach = 1.0;  // `beyond` points stay within this of the vertex
-
   void begin(int kept, int count, double tolerance, const LooseRows& loose) {
     state_.assign(count, RowState::kUnknown);
     std::fill_n(state_.begin(), kept, RowState::kFacet);
@@ -204,6 +204,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     tolerance_ = tolerance;
     loose_ = loose;
     excess_ = 1.0;
+    leaves_reach_ = false;
   }
 
   bool decideAll(int kept, int count, MinimalRows& result) {
@@ -213,6 +214,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     result.facets.clear();
     result.beyond.clear();
     result.excess = excess_;
+    result.leaves_reach = leaves_reach_;
     for (int i = kept; i < count; ++i) {
       if (state_[i] != RowState::kFacet) continue;
       result.facets.push_back(i);
@@ -239,7 +241,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   // Whether row i, tight in column j, can be violated alone by more than the tolerance.
   bool provedByColumn(int i, int j) {
-    const double step = std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking).step, kReach);
+    const double step =
+        std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking).step, tolerance::kMostBeyond);
     if (step <= tolerance_) return false;
     markFacet(i, j, -step);
     return true;
@@ -253,7 +256,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       if (place < 0) {
         const int own = dictionary_.column(i);
         const Blocking found = dictionary_.ratio(own, Dictionary<N>::kShrinking);
-        const double step = std::min(found.step, kReach);
+        const double step = std::min(found.step, tolerance::kMostBeyond);
         if (step > tolerance_) {
           markFacet(i, own, -step);
           return true;
@@ -267,13 +270,14 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const int column = stalled > Dictionary<N>::kStallLimit ? dictionary_.fallingColumn(row, true)
                                                               : dictionary_.steepestColumn(row, way);
       if (column < 0) {
+        leaves_reach_ = leaves_reach_ || row[0] < 0.0;
         markRedundant(i);
         return true;
       }
       const auto [step, blocking] = dictionary_.ratio(column, way, place);
       const double fall = std::abs(row[column + 1]);
       if (row[0] - fall * step < -tolerance_) {
-        const double reach = std::min(step, (row[0] + kReach) / fall);
+        const double reach = std::min(step, (row[0] + tolerance::kMostBeyond) / fall);
         markFacet(i, column, way == Dictionary<N>::kGrowing ? reach : -reach);
         return true;
       }
@@ -320,6 +324,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
   double tolerance_ = 0.0;
   LooseRows loose_;
   double excess_ = 1.0;
+  bool leaves_reach_ = false;
 };
 
 template <int N>

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <cstddef>
 
+#include "lp/tolerances.hpp"
 #include "offline_mpt/exact_lp.hpp"
 
 namespace polyfly {
-namespace {
-
-constexpr double kReach = 1.0;  // how far past a row `beyond` points may lie
-
-}  // namespace
 
 bool maximiseRationally(int dimension, const double* rows, int count, const double* start,
                         const double* direction, double* point) {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  if (!std::all_of(start, start + dimension, is_finite)) return false;
   ExactLp lp;
   lp.setSense(ExactLp::Sense::kMaximise);
   lp.addColumns(dimension);
@@ -25,8 +23,7 @@ bool maximiseRationally(int dimension, const double* rows, int count, const doub
   }
   for (int i = 0; i < count; ++i) {
     const double* const row = rows + static_cast<std::ptrdiff_t>(i) * (dimension + 1);
-    if (!std::all_of(row, row + dimension + 1, [](double value) { return std::isfinite(value); }))
-      return false;
+    if (!std::all_of(row, row + dimension + 1, is_finite)) return false;
     Rational at_start;
     for (int j = 0; j < dimension; ++j) {
       if (row[j] == 0.0) continue;
@@ -40,10 +37,11 @@ bool maximiseRationally(int dimension, const double* rows, int count, const doub
   return true;
 }
 
-bool minimalRationally(int kept, int dimension, const double* rows, int count, const double* interior,
-                       double tolerance, MinimalRows& result) {
+bool minimalOneByOne(int kept, int dimension, const double* rows, int count, const double* interior,
+                     double tolerance, const Furthest& furthest, MinimalRows& result) {
   result.facets.clear();
   result.beyond.clear();
+  result.leaves_reach = false;
   const auto n = static_cast<std::size_t>(dimension);
   // Rows that are not implied by others so far.
   std::vector<double> left(rows, rows + static_cast<std::size_t>(count) * (n + 1));
@@ -52,9 +50,9 @@ bool minimalRationally(int kept, int dimension, const double* rows, int count, c
   for (int i = kept; i < count; ++i) {
     double* const row = left.data() + k * (n + 1);
     const double bound = row[n];
-    row[n] += kReach;
+    row[n] += tolerance::kMostBeyond;
     const int left_count = static_cast<int>(left.size() / (n + 1));
-    if (!maximiseRationally(dimension, left.data(), left_count, interior, row, beyond.data())) return false;
+    if (!furthest(left.data(), left_count, interior, row, beyond.data())) return false;
     row[n] = bound;
     double violation = -bound;
     for (std::size_t j = 0; j < n; ++j) violation += row[j] * beyond[j];
@@ -63,6 +61,7 @@ bool minimalRationally(int kept, int dimension, const double* rows, int count, c
       result.beyond.insert(result.beyond.end(), beyond.begin(), beyond.end());
       ++k;
     } else {
+      result.leaves_reach = result.leaves_reach || violation > 0.0;
       const auto first = left.begin() + static_cast<std::ptrdiff_t>(k * (n + 1));
       left.erase(first, first + static_cast<std::ptrdiff_t>(n + 1));
     }

@@ -6,6 +6,12 @@ namespace polyfly::tolerance {
 /// Coefficients of a dictionary below this do not count as a direction.
 constexpr double kPivot = 1e-10;
 
+/// Where rounding takes the vertex of a dictionary further from its rows, its answer does not count.
+constexpr double kDrift = 1e-11;
+
+/// Points that violate one row only, to show that it is needed, lie at most so far beyond it.
+constexpr double kMostBeyond = 1.0;
+
 /// Rows whose steps differ by less block at the same step.
 constexpr double kRatioTie = 1e-14;
 

@@ -74,7 +74,7 @@ CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& option
       least_cell_(options.least_cell),
       least_angle_(std::max(options.least_angle, tolerance::kSharpAngle)) {
   for (int k = 0; k < threads_; ++k)
-    solvers_.emplace_back(regions, options.side_tolerance, least_cell_ > 0.0);
+    solvers_.push_back({MemberSolver(regions, options.side_tolerance), CellSolver(regions)});
 }
 
 Cell CellSplitter::whole() {
@@ -84,7 +84,7 @@ Cell CellSplitter::whole() {
   inParallel(chunks, threads_, nullptr, {}, [&](std::size_t thread, std::uint64_t chunk) {
     const std::size_t end = std::min(cell.members.size(), (chunk + 1) * kChunk);
     for (std::size_t r = chunk * kChunk; r < end; ++r)
-      cell.members[r] = solvers_[thread].whole(static_cast<std::uint32_t>(r));
+      cell.members[r] = solvers_[thread].members.whole(static_cast<std::uint32_t>(r));
   });
   return cell;
 }
@@ -108,19 +108,19 @@ std::size_t CellSplitter::testsBesides(const CellMember& member, std::size_t pla
 
 std::uint64_t CellSplitter::pivots() const {
   std::uint64_t sum = 0;
-  for (const MemberSolver& solver : solvers_) sum += solver.pivots();
+  for (const Solvers& solvers : solvers_) sum += solvers.pivots();
   return sum;
 }
 
 void CellSplitter::finishLeaf(Cell& cell, std::size_t thread) {
   if (all_rows_) return;
-  for (CellMember& member : cell.members) solvers_[thread].addRowsForTolerance(member, cell.path);
+  for (CellMember& member : cell.members) solvers_[thread].members.addRowsForTolerance(member, cell.path);
 }
 
 std::optional<CellSplit> CellSplitter::split(Cell& cell, std::size_t thread) {
-  MemberSolver& solver = solvers_[thread];
-  return splitWith(cell, solver, [&](std::size_t count, const auto& work) {
-    for (std::size_t i = 0; i < count; ++i) work(solver, i);
+  Solvers& own = solvers_[thread];
+  return splitWith(cell, own, [&](std::size_t count, const auto& work) {
+    for (std::size_t i = 0; i < count; ++i) work(own.members, i);
   });
 }
 
@@ -129,13 +129,13 @@ std::optional<CellSplit> CellSplitter::splitTogether(Cell& cell) {
     const std::uint64_t chunks = (count + kChunk - 1) / kChunk;
     inParallel(chunks, threads_, nullptr, {}, [&](std::size_t thread, std::uint64_t chunk) {
       const std::size_t end = std::min<std::size_t>(count, (chunk + 1) * kChunk);
-      for (std::size_t i = chunk * kChunk; i < end; ++i) work(solvers_[thread], i);
+      for (std::size_t i = chunk * kChunk; i < end; ++i) work(solvers_[thread].members, i);
     });
   });
 }
 
 template <class ForEach>
-std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each) {
+std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, Solvers& own, const ForEach& for_each) {
   if (cell.members.size() < 2) return std::nullopt;
   std::vector<unsigned char> sides;
   bool is_short = false;
@@ -149,7 +149,7 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, 
 // Splits by the first planes, by their estimates, exactly; `best_sides` receives those of the members.
 template <class ForEach>
 std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vector<Estimate> estimates,
-                                                           MemberSolver& own, const ForEach& for_each,
+                                                           Solvers& own, const ForEach& for_each,
                                                            std::vector<unsigned char>& best_sides) {
   std::sort(estimates.begin(), estimates.end(),
             [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
@@ -163,7 +163,7 @@ std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vect
     if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
     if (best && !is_thorough_ && regions_.laws.empty()) {
-      if (!isBetter(cell, *best, own, exact, sides)) continue;
+      if (!isBetter(cell, *best, own.members, exact, sides)) continue;
     } else {
       for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
         sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
@@ -173,7 +173,7 @@ std::optional<CellSplitter::Estimate> CellSplitter::bestOf(Cell& cell, std::vect
       exact.laws = std::max(lawsOf(cell, sides, kBelow), lawsOf(cell, sides, kAbove));
     }
     if ((exact.fuller() + 1 >= all && exact.laws >= all_laws) || (best && !exact.isBetterThan(*best)) ||
-        hasFlatSide(cell, exact.plane, sides, own))
+        hasBadSide(cell, exact.plane, sides, own))
       continue;
     best = exact;
     best_sides = sides;
@@ -210,18 +210,19 @@ bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
   });
 }
 
-bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
-                               MemberSolver& solver) const {
+// A side that is too thin, or in which rounding may take parameters far beyond a corner.
+bool CellSplitter::hasBadSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
+                              Solvers& solvers) const {
   for (const unsigned side : {kBelow, kAbove}) {
-    if (least_cell_ > 0.0 && solver.depthOf(cell, plane, side) < least_cell_) return true;
+    if (least_cell_ > 0.0 && solvers.cells.depthOf(cell, plane, side) < least_cell_) return true;
     bool is_empty = true, is_flat = true;
     for (std::size_t k = 0; k < sides.size() && is_flat; ++k) {
       if ((sides[k] & side) == 0) continue;
       is_empty = false;
-      is_flat = solver.reachOf(cell.members[k], plane, side) < tolerance::kFlatCell;
+      is_flat = solvers.members.reachOf(cell.members[k], plane, side) < tolerance::kFlatCell;
     }
-    if (is_empty) is_flat = solver.depthOf(cell, plane, side) < tolerance::kFlatCell;
-    if (is_flat) return true;
+    if (is_empty) is_flat = solvers.cells.depthOf(cell, plane, side) < tolerance::kFlatCell;
+    if (is_flat || solvers.cells.hasSharpCorner(cell, plane, side)) return true;
   }
   return false;
 }

@@ -7,6 +7,7 @@
 
 #include "offline_mpt/search_tree.hpp"
 #include "tree/cell.hpp"
+#include "tree/cell_solver.hpp"
 #include "tree/member_solver.hpp"
 
 namespace polyfly {
@@ -42,13 +43,21 @@ class CellSplitter {
   void finishLeaf(Cell& cell, std::size_t thread);
 
   /// The rows to test of a member, as MapContent::tests.
-  std::uint32_t testsOf(const CellMember& member) const { return solvers_.front().testsOf(member); }
+  std::uint32_t testsOf(const CellMember& member) const { return solvers_.front().members.testsOf(member); }
 
   /// Simplex pivots of all threads, or of one.
   std::uint64_t pivots() const;
   std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].pivots(); }
 
  private:
+  /// What a thread asks.
+  struct Solvers {
+    MemberSolver members;
+    CellSolver cells;
+
+    std::uint64_t pivots() const { return members.pivots() + cells.pivots(); }
+  };
+
   /// The rows to test that a plane leaves on its sides.
   struct Estimate {
     std::size_t plane = 0;
@@ -67,13 +76,13 @@ class CellSplitter {
   std::size_t tests(const CellMember& member) const;
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
-  std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
+  std::optional<CellSplit> splitWith(Cell& cell, Solvers& own, const ForEach& for_each);
   /// Whether the plane crosses one on the cell's path within the box at an angle below the least one.
   bool makesSharpEdge(const Cell& cell, std::size_t plane) const;
-  bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
-                   MemberSolver& solver) const;
+  bool hasBadSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
+                  Solvers& solvers) const;
   template <class ForEach>
-  std::optional<Estimate> bestOf(Cell& cell, std::vector<Estimate> estimates, MemberSolver& own,
+  std::optional<Estimate> bestOf(Cell& cell, std::vector<Estimate> estimates, Solvers& own,
                                  const ForEach& for_each, std::vector<unsigned char>& best_sides);
   bool isBetter(Cell& cell, const Estimate& best, MemberSolver& solver, Estimate& exact,
                 std::vector<unsigned char>& sides) const;
@@ -97,7 +106,7 @@ class CellSplitter {
   double side_tolerance_;
   double least_cell_;
   double least_angle_;
-  std::vector<MemberSolver> solvers_;  // one per thread
+  std::vector<Solvers> solvers_;  // one per thread
 };
 
 }  // namespace polyfly

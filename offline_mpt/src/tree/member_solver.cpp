@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "polyfly_base/error.hpp"
@@ -19,13 +18,11 @@ double sign(unsigned side) { return side == kBelow ? -1.0 : 1.0; }
 
 }  // namespace
 
-MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful)
+MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance)
     : regions_(regions),
       tolerance_(side_tolerance),
-      is_careful_(is_careful),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       solver_(regions.p),
-      by_factors_(regions.p),
       direction_(static_cast<std::size_t>(regions.p)),
       point_(static_cast<std::size_t>(regions.p)) {
   if (regions.centres.size() != regions.rows.size() * static_cast<std::size_t>(regions.p))
@@ -85,35 +82,6 @@ double MemberSolver::reachOf(const CellMember& member, std::size_t plane, unsign
   return reach;
 }
 
-// The greatest depth t in the rows a^T theta + t <= b of the cell, the plane and the box.
-double MemberSolver::depthOf(const Cell& cell, std::size_t plane, unsigned side) {
-  const std::size_t p = parameters();
-  rows_.clear();
-  for (const std::int32_t row : cell.path) gatherRow(row, 0.0);
-  const auto beyond = static_cast<std::int32_t>(plane) + 1;
-  gatherRow(side == kBelow ? beyond : -beyond, 0.0);
-  for (std::size_t side_of_box = 0; side_of_box < 2 * p; ++side_of_box) {
-    rows_.resize(rows_.size() + p + 1, 0.0);
-    rows_[rows_.size() - 1 - p + side_of_box / 2] = side_of_box % 2 == 0 ? 1.0 : -1.0;
-    rows_.back() = 1.0;
-  }
-  std::vector<double> deeper, start = cell.members.front().inner, direction(p + 1, 0.0), point(p + 1);
-  start.push_back(std::numeric_limits<double>::infinity());
-  for (auto row = rows_.begin(); row != rows_.end(); row += static_cast<std::ptrdiff_t>(p) + 1) {
-    double slack = row[static_cast<std::ptrdiff_t>(p)];
-    for (std::size_t j = 0; j < p; ++j) slack -= row[static_cast<std::ptrdiff_t>(j)] * start[j];
-    start.back() = std::min(start.back(), slack);
-    deeper.insert(deeper.end(), row, row + static_cast<std::ptrdiff_t>(p));
-    deeper.insert(deeper.end(), {1.0, row[static_cast<std::ptrdiff_t>(p)]});
-  }
-  direction.back() = 1.0;
-  if (!deeper_solver_) deeper_solver_.emplace(static_cast<int>(p) + 1);
-  const int count = static_cast<int>(deeper.size() / (p + 2));
-  if (!deeper_solver_->furthest(deeper.data(), count, start.data(), direction.data(), point.data()))
-    return -std::numeric_limits<double>::infinity();
-  return point.back();
-}
-
 unsigned MemberSolver::sides(CellMember& member, std::size_t plane) {
   const auto row = static_cast<std::int32_t>(plane) + 1;
   for (const std::int32_t own : member.rows) {
@@ -149,103 +117,6 @@ void MemberSolver::gatherRow(std::int32_t row, double moved) {
   rows_.push_back(factor * a[p] + moved);
 }
 
-// Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
-// tolerance. Mostly the splits on the way have shown that no row is, see CellMember::excess; where planes nearly repeat each
-// other, dictionaries may have lost the digits of that. Otherwise one look at all of them may show it.
-void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
-  if (!is_careful_ && member.excess <= tolerance::kUntestedReach) return;
-  const std::vector<std::int32_t>& all = regions_.rows[member.region];
-  rows_.clear();
-  for (const std::int32_t row : member.walls) gatherRow(row, roundingOf(row));
-  for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
-  questioned_.clear();
-  std::size_t next = 0;  // of member.rows, which are in the order of `all`
-  for (const std::int32_t row : all) {
-    if (next < member.rows.size() && member.rows[next] == row) {
-      ++next;
-    } else if (!boundsBox(row) && std::find(path.begin(), path.end(), row) == path.end()) {
-      questioned_.push_back(row);
-    }
-  }
-  if (questioned_.empty()) return;
-  for (const std::int32_t row : questioned_)
-    gatherRow(row, tolerance::kUntestedReach * format::kMaxTolerance);
-  const int kept = static_cast<int>(member.bounds());
-  const int count = kept + static_cast<int>(questioned_.size());
-  if (solver_.minimalBeside(kept, rows_.data(), count, member.inner.data(), tolerance::kImpliedRow,
-                            minimal_)) {
-    std::vector<std::int32_t> left;
-    for (const int facet : minimal_.facets)
-      left.push_back(questioned_[static_cast<std::size_t>(facet - kept)]);
-    questioned_ = std::move(left);
-  }
-  if (!questioned_.empty()) addRows(member, path);
-}
-
-// Adds those of the questioned rows that all bounds of the cell do not hold within the tolerance either.
-void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& path) {
-  const std::size_t p = parameters();
-  const std::vector<std::int32_t>& all = regions_.rows[member.region];
-  rows_.clear();
-  for (const std::int32_t row : path) gatherRow(row, tolerance::kMissedPlane);
-  for (const std::int32_t row : all) {
-    if (boundsBox(row)) gatherRow(row, tolerance::kMissedBox);
-  }
-  for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
-  std::vector<std::int32_t> tested;
-  std::size_t next = 0;
-  for (const std::int32_t row : all) {
-    if (next < member.rows.size() && member.rows[next] == row) {
-      tested.push_back(row);
-      ++next;
-    } else if (std::find(questioned_.begin(), questioned_.end(), row) != questioned_.end()) {
-      const double* const a = plane(planeOf(row));
-      const double factor = row > 0 ? 1.0 : -1.0;
-      for (std::size_t j = 0; j < p; ++j) direction_[j] = factor * a[j];
-      const int count = static_cast<int>(rows_.size() / (p + 1));
-      if (solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data()) &&
-          factor * kernels_.distance(a, point_.data(), p) <=
-              tolerance::kUntestedReach * format::kMaxTolerance)
-        continue;
-      tested.push_back(row);
-      gatherRow(row, format::kMaxTolerance);
-    }
-  }
-  member.rows = std::move(tested);
-}
-
-std::uint32_t MemberSolver::testsOf(const CellMember& member) const {
-  constexpr std::size_t kLastBit = 31;
-  const std::vector<std::int32_t>& all = regions_.rows[member.region];
-  std::uint32_t tests = 0;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < all.size() && next < member.rows.size(); ++i) {
-    if (all[i] != member.rows[next]) continue;
-    tests |= std::uint32_t{1} << std::min(i, kLastBit);
-    ++next;
-  }
-  return tests;
-}
-
-std::uint32_t MemberSolver::testsAt(std::uint32_t region, const std::vector<std::int32_t>& path) {
-  CellMember member = whole(region);
-  for (const std::int32_t row : path) {
-    const std::size_t plane = planeOf(row);
-    const unsigned side = row > 0 ? kBelow : kAbove;
-    const unsigned reached = sides(member, plane);
-    if ((reached & side) == 0) {
-      member.rows = regions_.rows[region];
-      return testsOf(member);
-    }
-    if (reached == side)
-      enter(member, plane, side);
-    else
-      member = half(member, plane, side);
-  }
-  addRowsForTolerance(member, path);
-  return testsOf(member);
-}
-
 // Finds the member's point that is furthest out on a side of the plane (-1: below, 1: above), and keeps it.
 bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
   const std::size_t p = parameters();
@@ -257,22 +128,8 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
     return true;  // undecided: it stays on both sides
   }
   const double reach = side * kernels_.distance(normal, point_.data(), p);
-  if (reach <= tolerance_ &&
-      (!is_careful_ || reach < -tolerance::kDoubtfulReach || !reachesByFactors(plane, side)))
-    return false;
+  if (reach <= tolerance_) return false;
   member.points.insert(member.points.end(), point_.begin(), point_.end());
-  return true;
-}
-
-// The same by FloatLp, which factorises the rows themselves where it stops: a dictionary may have lost the digits.
-bool MemberSolver::reachesByFactors(std::size_t plane, double side) {
-  const auto width = static_cast<std::ptrdiff_t>(parameters() + 1);
-  by_factors_.clear();
-  for (auto row = rows_.begin(); row != rows_.end(); row += width)
-    by_factors_.add(std::vector<double>(row, row + width));
-  if (by_factors_.maximise(direction_) != FloatLp::Status::kOptimal) return false;
-  if (by_factors_.objective() - side * this->plane(plane)[width - 1] <= tolerance_) return false;
-  point_ = by_factors_.x();
   return true;
 }
 

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "lp/float_lp.hpp"
 #include "lp/polytope.hpp"
 #include "offline_mpt/search_tree.hpp"
 #include "tree/cell.hpp"
@@ -15,10 +13,8 @@ namespace polyfly {
 /// Answers questions about one part of a region at a time, by linear programming. One object serves one thread.
 class MemberSolver {
  public:
-  /// `side_tolerance` as in TreeOptions. `is_careful`: planes may nearly repeat each other. Sides that a part just does not
-  /// reach are decided once more, to the last digits, and each leaf's rows too. `regions` must outlive the object. Throws
-  /// Error where a region has no centre.
-  MemberSolver(const TreeRegions& regions, double side_tolerance, bool is_careful = false);
+  /// `side_tolerance` as in TreeOptions. `regions` must outlive the object. Throws Error where a region has no centre.
+  MemberSolver(const TreeRegions& regions, double side_tolerance);
 
   /// The whole region, within the box.
   CellMember whole(std::uint32_t region);
@@ -28,9 +24,6 @@ class MemberSolver {
 
   /// How far known points of the member lie on a side of the plane, kBelow or kAbove; negative where none does.
   double reachOf(const CellMember& member, std::size_t plane, unsigned side) const;
-
-  /// Depth of the deepest point of a cell on a side of the plane, within the box. If it is not decided it is -inf.
-  double depthOf(const Cell& cell, std::size_t plane, unsigned side);
 
   /// Sides of the plane to which the member reaches, further than the tolerance. A point on each such side is kept
   /// in the member.
@@ -65,7 +58,6 @@ class MemberSolver {
   void gatherRows(const CellMember& member);
   void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
-  bool reachesByFactors(std::size_t plane, double side);
   void settle(CellMember& member);
   bool castRay(CellMember& member, std::size_t bound) const;
   void decide(CellMember& member);
@@ -76,12 +68,8 @@ class MemberSolver {
 
   const TreeRegions& regions_;
   double tolerance_;
-  bool is_careful_;
   PlaneSides kernels_;
   PolytopeSolver solver_;
-  FloatLp by_factors_;
-  // In one dimension more, made where depths are asked for.
-  std::optional<PolytopeSolver> deeper_solver_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
   std::vector<double> slacks_;

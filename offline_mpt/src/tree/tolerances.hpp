@@ -41,13 +41,15 @@ constexpr double kSameAsBox = 1e-12;
 /// Where no member reaches further across a plane, the cell would have a flat side [scaled].
 constexpr double kFlatCell = 1e-7;
 
-/// Error of a reach that is computed by a dictionary of rows that nearly repeat each other is less [scaled].
-constexpr double kDoubtfulReach = 1e-10;
-
 /// Least radius of a ball in each cell, where rows of the program nearly repeat each other: three planes that nearly share
 /// a line would enclose cells as thin as the noise of the rows. By rounding, parameters arrive beyond such a cell at a
 /// distance of its diameter times kMissedPlane over this radius: about kMembership [scaled].
 constexpr double kLeastCell = kMissedPlane / kMembership;
+
+/// Where all planes of a cell move by some distance, its corners move at most so many times as far along an axis. By
+/// rounding, parameters may arrive as far beyond them, and no candidate need hold what it misses by more than kMembership.
+/// Parts of regions that reach too little across a plane are left out too: three tenths leave room for them.
+constexpr double kMostCornerShift = 0.3 * kMembership / kMissedPlane;
 
 /// Planes at a smaller angle that cross in the box leave an edge of a cell. By rounding, parameters may arrive beyond it at
 /// a distance of kMissedPlane over the angle, and more where several planes meet. No candidate need hold them beyond
