@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "lp/box_maximum.hpp"
@@ -103,6 +104,19 @@ TEST(FloatLp, AgreesWithTheExactProgram) {
     EXPECT_GT(infeasible, 50);
     EXPECT_GT(feasible, 50);
   }
+}
+
+// Rows beyond doubles occur in proofs: nothing of an earlier program may be taken for the answer.
+TEST(FloatLp, NothingIsLeftWhereItFails) {
+  FloatLp solver(2);
+  for (const double bound : {0.5, 0.25}) solver.add({1.0, 0.0, bound});
+  ASSERT_EQ(solver.maximise({1.0, 1.0}), FloatLp::Status::kOptimal);
+  EXPECT_EQ(solver.basis().size(), 2u);
+  solver.clear();
+  solver.add({std::sqrt(0.5), std::sqrt(0.5), -std::numeric_limits<double>::infinity()});
+  EXPECT_EQ(solver.maximise({1.0, 1.0}), FloatLp::Status::kFailed);
+  EXPECT_TRUE(solver.basis().empty());
+  EXPECT_TRUE(solver.weights().empty());
 }
 
 }  // namespace

@@ -357,6 +357,17 @@ TEST(Polytope, RowsThatAreLeftOutAreViolatedByTheToleranceAtMost) {
         EXPECT_LE(violation, 1.001 * kLittle) << n << " " << round << " " << i;
         left_out += violation > 0.1 * kLittle ? 1 : 0;
       }
+      for (std::size_t k = 0; k < minimal.facets.size(); ++k) {
+        const double* const point = minimal.beyond.data() + k * static_cast<std::size_t>(n);
+        for (const int other : minimal.facets) {
+          double violation = -rows.row(other)[n];
+          for (int j = 0; j < n; ++j) violation += rows.row(other)[j] * point[j];
+          if (other == minimal.facets[k])
+            EXPECT_GT(violation, kLittle) << n << " " << round << " " << other;
+          else
+            EXPECT_LE(violation, 10.0 * kLittle) << n << " " << round << " " << other;
+        }
+      }
     }
   }
   EXPECT_GT(left_out, 20);

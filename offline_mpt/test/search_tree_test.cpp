@@ -202,8 +202,6 @@ TEST(SearchTree, ALargerTreeHasABetterWorstCase) {
   EXPECT_LE(last, 2.0 * std::log2(static_cast<double>(partition.regions.size())) + 8.0);
 }
 
-// Rows are left out only where the nodes, the box and the other rows imply them: a row that is left out holds at each
-// parameter whose leaf it belongs to and that meets the others.
 // Of trees that try 3, 4 and 20 planes of each cell, and none of them is always the best.
 TEST(SearchTree, TheBestOfSeveralSmallTreesIsKept) {
   int is_better = 0;
@@ -225,6 +223,8 @@ TEST(SearchTree, TheBestOfSeveralSmallTreesIsKept) {
   EXPECT_GT(is_better, 0);
 }
 
+// Rows are left out only where the nodes, the box and the other rows imply them: a row that is left out holds at each
+// parameter whose leaf it belongs to and that meets the others.
 TEST(SearchTree, RowsThatAreLeftOutAreImplied) {
   for (const int p : {2, 3, 5}) {
     const ParametricProgram program = randomProgram(6, 16, p, 11);

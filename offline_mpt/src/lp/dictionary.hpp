@@ -231,7 +231,7 @@ class Dictionary {
       double distance = -row[N];
       for (int q = 0; q < N; ++q) distance += row[q] * coordinate(q, 0);
       if (std::isnan(distance)) return std::numeric_limits<double>::infinity();
-      most = std::max(most, std::abs(distance));
+      most = std::max(most, std::abs(distance) / std::max(1.0, std::abs(row[N])));
     }
     return most;
   }

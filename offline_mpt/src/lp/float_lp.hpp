@@ -23,14 +23,14 @@ class FloatLp {
 
   Status maximise(const std::vector<double>& c);
 
-  /// Of the last answer that did not fail; see BoxOptimum.
+  /// Of the last answer, see BoxOptimum. Empty if it failed.
   const std::vector<double>& x() const { return optimum_.t; }
   double objective() const { return objective_; }
   const std::vector<std::pair<int, double>>& weights() const { return optimum_.weights; }
   const std::vector<int>& basis() const { return optimum_.basis; }
 
   /// Simplex pivots since construction.
-  unsigned long long pivots() const { return kernel_->pivots(); }
+  unsigned long long pivots() const { return kernel_ ? kernel_->pivots() : 0; }
 
   /// Index in weights() and basis() of x_(index / 2) <= 1 (even), >= -1 (odd).
   int boxIndex(int index) const { return count() + index; }

@@ -101,6 +101,7 @@ bool PolytopeSolver::restoreRows(const double* rows, int count, const double* in
                                  MinimalRows& result) {
   const int n = dimension_;
   const auto row_of = [&](int i) { return rows + static_cast<std::ptrdiff_t>(i) * (n + 1); };
+  std::vector<int> restored;
   std::vector<double> needed;
   for (const int facet : result.facets) needed.insert(needed.end(), row_of(facet), row_of(facet) + n + 1);
   for (int i = 0; i < count; ++i) {
@@ -121,6 +122,38 @@ bool PolytopeSolver::restoreRows(const double* rows, int count, const double* in
     const auto index = place - result.facets.begin();
     result.facets.insert(place, i);
     result.beyond.insert(result.beyond.begin() + index * n, beyond, beyond + n);
+    restored.push_back(i);
+  }
+  return renewPoints(rows, restored, interior, tolerance, result);
+}
+
+// Points that were found without a row that is restored may violate it. Facets that have no other point are not needed.
+bool PolytopeSolver::renewPoints(const double* rows, const std::vector<int>& restored, const double* interior,
+                                 double tolerance, MinimalRows& result) {
+  const int n = dimension_;
+  const auto row_of = [&](int i) { return rows + static_cast<std::ptrdiff_t>(i) * (n + 1); };
+  for (std::size_t k = 0; k < result.facets.size();) {
+    const int facet = result.facets[k];
+    double* const point = result.beyond.data() + k * static_cast<std::size_t>(n);
+    const bool is_right = std::all_of(restored.begin(), restored.end(), [&](int i) {
+      return i == facet || -radiusAbout(row_of(i), 1, point) <= tolerance;
+    });
+    if (!is_right) {
+      std::vector<double> others;
+      for (const int other : result.facets) {
+        others.insert(others.end(), row_of(other), row_of(other) + n + 1);
+        if (other == facet) others.back() += tolerance::kMostBeyond;
+      }
+      const int count = static_cast<int>(result.facets.size());
+      if (!furthest(others.data(), count, interior, row_of(facet), point)) return false;
+      if (-radiusAbout(row_of(facet), 1, point) <= tolerance) {
+        const auto first = result.beyond.begin() + static_cast<std::ptrdiff_t>(k) * n;
+        result.beyond.erase(first, first + n);
+        result.facets.erase(result.facets.begin() + static_cast<std::ptrdiff_t>(k));
+        continue;
+      }
+    }
+    ++k;
   }
   return true;
 }

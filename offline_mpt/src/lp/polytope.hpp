@@ -14,7 +14,7 @@ struct MinimalRows {
   /// With LooseRows: where all others are violated by at most their amounts, those that are asked and were left out are by at
   /// most so many units. Above LooseRows::most it is no bound.
   double excess = 1.0;
-  /// A row was left out although the others let it be violated, by at most the tolerance.
+  /// A row was left out although the others let it be violated beyond rounding, by at most the tolerance.
   bool leaves_reach = false;
 };
 
@@ -33,8 +33,9 @@ struct LooseRows {
 /// between calls; one object serves one thread. The method is the primal simplex on dictionaries: the slacks
 /// of all rows as affine functions of the slacks of the rows that are tight at the current vertex, so that
 /// one pivot costs rows x dimension multiply-adds and every vertex passed proves rows redundant or
-/// irredundant for free. Where rounding leads the pivots astray, or the last vertex away from its rows, the question is
-/// answered once more in rational arithmetic, so that false always means a polytope that is not bounded.
+/// irredundant for free. Where rounding leads the pivots astray, the question is answered once more in
+/// rational arithmetic. So false means a polytope that is not bounded, or numbers that are not finite. `minimal`,
+/// `minimalBeside` and `furthest` do so too where rounding took the last vertex away from its rows.
 class PolytopeSolver {
  public:
   static constexpr int kMaxDimension = 13;
@@ -82,6 +83,8 @@ class PolytopeSolver {
                        MinimalRows& result);
   bool restoreRows(const double* rows, int count, const double* interior, double tolerance,
                    MinimalRows& result);
+  bool renewPoints(const double* rows, const std::vector<int>& restored, const double* interior,
+                   double tolerance, MinimalRows& result);
   double radiusAbout(const double* rows, int count, const double* centre) const;
 
   // Kernel in `dimension`.

@@ -35,7 +35,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   bool maximise(const double* rows, int count, const double* start, const double* direction,
                 double* point) override {
-    return dictionary_.start(rows, count, start) && climbFromHere(direction, point) && isPrecise(rows);
+    return dictionary_.start(rows, count, start) && climbFromHere(direction, point);
   }
 
   bool climb(const double* rows, int count, const double* start, const double* direction,
@@ -270,7 +270,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const int column = stalled > Dictionary<N>::kStallLimit ? dictionary_.fallingColumn(row, true)
                                                               : dictionary_.steepestColumn(row, way);
       if (column < 0) {
-        leaves_reach_ = leaves_reach_ || row[0] < 0.0;
+        leaves_reach_ = leaves_reach_ || row[0] < -tolerance::kNegativeSlack;
         markRedundant(i);
         return true;
       }

@@ -61,7 +61,7 @@ bool minimalOneByOne(int kept, int dimension, const double* rows, int count, con
       result.beyond.insert(result.beyond.end(), beyond.begin(), beyond.end());
       ++k;
     } else {
-      result.leaves_reach = result.leaves_reach || violation > 0.0;
+      result.leaves_reach = result.leaves_reach || violation > tolerance::kNegativeSlack;
       const auto first = left.begin() + static_cast<std::ptrdiff_t>(k * (n + 1));
       left.erase(first, first + static_cast<std::ptrdiff_t>(n + 1));
     }

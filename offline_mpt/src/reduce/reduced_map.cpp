@@ -108,7 +108,9 @@ class Encoder {
 
   static SearchTree wholeTree(const TreeRegions& regions, const TreeOptions& options) {
     SearchTree tree = buildTree(regions, options);
-    if (tree.end == TreeEnd::kStopped) throw ReductionStopped();
+    const bool is_stopped =
+        options.stop != nullptr && options.stop->load();  // after the first of several trees
+    if (tree.end == TreeEnd::kStopped || is_stopped) throw ReductionStopped();
     return tree;
   }
 

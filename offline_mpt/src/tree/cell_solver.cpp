@@ -8,8 +8,9 @@
 
 namespace polyfly {
 
-CellSolver::CellSolver(const TreeRegions& regions)
-    : regions_(regions), deeper_solver_(regions.p + 1), corners_(regions.p) {}
+CellSolver::CellSolver(const TreeRegions& regions) : regions_(regions), corners_(regions.p) {
+  if (regions.p < PolytopeSolver::kMaxDimension) deeper_solver_.emplace(regions.p + 1);
+}
 
 void CellSolver::gatherRow(std::int32_t row) {
   const double* const a = regions_.planes.data() + planeOf(row) * (parameters() + 1);
@@ -41,6 +42,7 @@ double CellSolver::depthOf(const Cell& cell, std::size_t plane, unsigned side) {
 
 // The greatest depth t in the rows a^T theta + t <= b of the cell, the plane and the box.
 double CellSolver::depth(std::vector<double> start) {
+  if (!deeper_solver_) return -std::numeric_limits<double>::infinity();
   const std::size_t p = parameters();
   std::vector<double> rows = rows_;
   for (std::size_t side_of_box = 0; side_of_box < 2 * p; ++side_of_box) {
@@ -59,7 +61,7 @@ double CellSolver::depth(std::vector<double> start) {
   }
   direction.back() = 1.0;
   const int count = static_cast<int>(deeper.size() / (p + 2));
-  if (!deeper_solver_.furthest(deeper.data(), count, start.data(), direction.data(), point.data()))
+  if (!deeper_solver_->furthest(deeper.data(), count, start.data(), direction.data(), point.data()))
     return -std::numeric_limits<double>::infinity();
   return point.back();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lp/float_lp.hpp"
@@ -25,7 +26,7 @@ class CellSolver {
   bool hasSharpCorner(const Cell& cell, std::size_t plane, unsigned side);
 
   /// Simplex pivots since construction.
-  std::uint64_t pivots() const { return deeper_solver_.pivots() + corners_.pivots(); }
+  std::uint64_t pivots() const { return (deeper_solver_ ? deeper_solver_->pivots() : 0) + corners_.pivots(); }
 
  private:
   std::size_t parameters() const { return static_cast<std::size_t>(regions_.p); }
@@ -35,8 +36,8 @@ class CellSolver {
   double depth(std::vector<double> start);
 
   const TreeRegions& regions_;
-  // In one dimension more, for depths.
-  PolytopeSolver deeper_solver_;
+  // In one dimension more, for depths. None where PolytopeSolver does not know so many.
+  std::optional<PolytopeSolver> deeper_solver_;
   FloatLp corners_;
   // p + 1 numbers each: the cell's path and the plane.
   std::vector<double> rows_;
