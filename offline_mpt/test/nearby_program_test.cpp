@@ -152,5 +152,26 @@ TEST(NearbyProgram, ARowWithoutVariablesCounts) {
   EXPECT_LT(stated.bound, 1e-5);
 }
 
+// Two rows are sums of the others up to rounding. The proof is about the program without them.
+TEST(NearbyProgram, NothingIsStatedOfProgramsWithDroppedRows) {
+  ParametricProgram program = randomProgram(3, 5, 3, 4);
+  program.H.setIdentity();
+  program.f.setZero();
+  program.F = -Eigen::MatrixXd::Identity(3, 3);
+  program.A.resize(5, 3);
+  program.A << Eigen::MatrixXd::Identity(3, 3), Eigen::MatrixXd::Ones(2, 3);
+  program.S = Eigen::MatrixXd::Zero(5, 3);
+  program.b.resize(5);
+  program.b << 1.0, 1.0, 1.0, 3.0 - 8.7e-14, 3.0 + 5.3e-14;
+  for (Signal& parameter : program.parameters) {
+    parameter.lower = -3.0;
+    parameter.upper = 3.0;
+  }
+  const MapInMemory memory(encode(program, explore(program)));
+  const CertifyReport report = certify(memory.map(), program, {});
+  ASSERT_NE(report.certificate.find("\ndropped "), std::string::npos);
+  EXPECT_EQ(statedOf(program, memory.map(), memory.bytes()).bound, -1.0);
+}
+
 }  // namespace
 }  // namespace polyfly

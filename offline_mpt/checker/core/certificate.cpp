@@ -156,12 +156,14 @@ void Certificate::check() const {
   checkProgram();
   std::set<std::set<std::size_t>> seen;
   std::vector<ProvenRegion> proven;
+  const bool states_nearby = statesBounds() && provesAllRows();
   for (std::size_t index = 0; index < claims_.size(); ++index) {
     progress("region", index, claims_.size());
     try {
       const Region region = checkedRegion(index);
       require(seen.insert(region.active).second, "another region has the same active set");
       proven.push_back(checkRegion(index, region));
+      if (states_nearby) boundChanges(index, region);
     } catch (const Refused& error) {
       throw Refused("region " + std::to_string(index) + ": " + error.what());
     }
@@ -171,8 +173,6 @@ void Certificate::check() const {
 
 ProvenRegion Certificate::checkRegion(std::size_t index, const Region& region) const {
   checkLaw(index, region);
-  const bool is_stated = convexity_ == "definite" && coverage_ == "exact";
-  if (is_stated && region.own == region.listed.size()) boundChanges(index, region);
   return proveFacets(index, region);
 }
 
@@ -216,13 +216,16 @@ std::string Certificate::boundsOfAnswers(double up) const {
   for (std::size_t i = 0; i < n_; ++i)
     for (std::size_t j = 0; j < n_; ++j) greatest = std::max(greatest, Fraction(abs(hessian(i, j))));
   const Fraction cost = greatest == 0 ? cost_change_ : Fraction(cost_change_ / greatest);
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "each answer is the optimum of a program whose bounds differ by at most %.3g (of the row's greatest "
-      "entry) and whose f by %.3g (of H's greatest)\n"
-      "beyond a facet, u differs by at most %.3g from that of the region behind it\n",
-      up * bound_change_.get_d(), up * cost.get_d(), up * beyond.get_d());
+  char nearby[300] = "", text[400];
+  if (provesAllRows())
+    std::snprintf(
+        nearby, sizeof nearby,
+        "each answer in the box is the optimum of a program whose bounds differ by at most %.3g (of the "
+        "row's greatest entry) and whose f by %.3g (of H's greatest)\n",
+        up * bound_change_.get_d(), up * cost.get_d());
+  std::snprintf(text, sizeof text,
+                "%sbeyond a facet, u differs by at most %.3g from that of the region behind it\n", nearby,
+                up * beyond.get_d());
   return text;
 }
 

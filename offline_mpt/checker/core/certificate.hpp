@@ -97,6 +97,8 @@ class Certificate {
   virtual void requireCount(std::size_t claims) const;
   /// Whether the program is strictly convex, and all regions and all half-spaces of each are in the map.
   bool statesBounds() const;
+  /// Whether every row counts as it stands in the program.
+  virtual bool provesAllRows() const { return true; }
   /// The rest of a line that begins with `key`: the origin of a row of the last claim, and why it follows.
   void readFollows(const std::string& key, Line& line);
   Claim& lastClaim(const std::string& key);
