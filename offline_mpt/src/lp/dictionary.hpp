@@ -221,20 +221,15 @@ class Dictionary {
     place_[entering] = -1 - j;
   }
 
-  /// How far the vertex lies from the rows that are zero there, relative to their bounds above 1: what pivots lost by
-  /// rounding. `rows` and the point are those of the start. Rows that it violated count as met there. Not a number counts as
-  /// infinite.
-  double drift(const double* rows, const double* start) const {
+  /// How far the vertex lies from the rows that are zero there: what pivots lost by rounding. `rows` as at the start. Not a
+  /// number counts as infinite.
+  double drift(const double* rows) const {
     double most = 0.0;
     for (int j = 0; j < N; ++j) {
       if (nonbasic_[j] < 0) continue;
       const double* row = rows + static_cast<std::ptrdiff_t>(nonbasic_[j]) * (N + 1);
-      double at_start = 0.0, here = 0.0;
-      for (int q = 0; q < N; ++q) {
-        at_start += row[q] * start[q];
-        here += row[q] * coordinate(q, 0);
-      }
-      const double distance = here - std::max(row[N], at_start);
+      double distance = -row[N];
+      for (int q = 0; q < N; ++q) distance += row[q] * coordinate(q, 0);
       if (std::isnan(distance)) return std::numeric_limits<double>::infinity();
       most = std::max(most, std::abs(distance) / std::max(1.0, std::abs(row[N])));
     }

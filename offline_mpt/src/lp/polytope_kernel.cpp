@@ -22,7 +22,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     if (!dictionary_.start(rows, count, interior)) return false;
     begin(0, count, tolerance, {});
     sweep();
-    return decideAll(0, count, result) && isPrecise(rows, interior);
+    return decideAll(0, count, result) && isPrecise(rows);
   }
 
   // Straight towards the rows in question: some are decided before a vertex is reached.
@@ -30,7 +30,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
                      MinimalRows& result, const LooseRows& loose) override {
     dictionary_.startFree(rows, count, interior);
     begin(kept, count, tolerance, loose);
-    return decideAll(kept, count, result) && isPrecise(rows, interior);
+    return decideAll(kept, count, result) && isPrecise(rows);
   }
 
   bool maximise(const double* rows, int count, const double* start, const double* direction,
@@ -41,7 +41,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
   bool climb(const double* rows, int count, const double* start, const double* direction,
              double* point) override {
     dictionary_.startFree(rows, count, start);
-    return climbFromHere(direction, point) && isPrecise(rows, start);
+    return climbFromHere(direction, point) && isPrecise(rows);
   }
 
   // The dual simplex, from the corner of the box. Pivots lose digits where rows meet at sharp angles. So it counts only
@@ -80,9 +80,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
  private:
   static constexpr int kDualPivotLimit = 40 * (N + 1);
 
-  bool isPrecise(const double* rows, const double* start) const {
-    return dictionary_.drift(rows, start) <= tolerance::kDrift;
-  }
+  bool isPrecise(const double* rows) const { return dictionary_.drift(rows) <= tolerance::kDrift; }
 
   // -direction . t in terms of the columns.
   typename Dictionary<N>::Row objectiveOf(const double* direction) const {
