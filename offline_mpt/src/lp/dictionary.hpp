@@ -221,8 +221,8 @@ class Dictionary {
     place_[entering] = -1 - j;
   }
 
-  /// How far the vertex lies from the rows that are zero there: what pivots lost by rounding. `rows` as at the start. Not a
-  /// number counts as infinite.
+  /// How far the vertex lies from the rows that are zero there, relative to their bounds above 1: what pivots lost by
+  /// rounding. `rows` as at the start. Not a number counts as infinite.
   double drift(const double* rows) const {
     double most = 0.0;
     for (int j = 0; j < N; ++j) {

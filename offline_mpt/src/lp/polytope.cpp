@@ -182,8 +182,13 @@ bool PolytopeSolver::support(const double* rows, int count, const double* interi
 
 bool PolytopeSolver::furthest(const double* rows, int count, const double* interior, const double* direction,
                               double* point) {
-  return plain_->climb(rows, count, interior, direction, point) ||
+  return furthestInDoubles(rows, count, interior, direction, point) ||
          maximiseRationally(dimension_, rows, count, interior, direction, point);
+}
+
+bool PolytopeSolver::furthestInDoubles(const double* rows, int count, const double* interior,
+                                       const double* direction, double* point) {
+  return plain_->climb(rows, count, interior, direction, point);
 }
 
 unsigned long long PolytopeSolver::pivots() const { return plain_->pivots() + lifted_->pivots(); }

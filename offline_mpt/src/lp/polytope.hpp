@@ -72,6 +72,10 @@ class PolytopeSolver {
   bool furthest(const double* rows, int count, const double* interior, const double* direction,
                 double* point);
 
+  /// As `furthest`, in doubles alone: false also where rounding leaves the answer in doubt.
+  bool furthestInDoubles(const double* rows, int count, const double* interior, const double* direction,
+                         double* point);
+
   /// Pivots since construction.
   unsigned long long pivots() const;
 

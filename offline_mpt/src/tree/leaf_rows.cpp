@@ -62,7 +62,9 @@ void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& 
       const double factor = row > 0 ? 1.0 : -1.0;
       for (std::size_t j = 0; j < p; ++j) direction_[j] = factor * a[j];
       const int count = static_cast<int>(rows_.size() / (p + 1));
-      if (solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data()) &&
+      // In doubt the row is tested.
+      if (solver_.furthestInDoubles(rows_.data(), count, member.inner.data(), direction_.data(),
+                                    point_.data()) &&
           factor * kernels_.distance(a, point_.data(), p) <=
               tolerance::kUntestedReach * format::kMaxTolerance)
         continue;
