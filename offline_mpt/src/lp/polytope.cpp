@@ -96,6 +96,19 @@ bool PolytopeSolver::minimal(const double* rows, int count, const double* interi
   return !result.leaves_reach || restoreRows(rows, count, interior, tolerance, result);
 }
 
+// The point furthest beyond the row that begins at `place`, at most kMostBeyond, where all other rows hold.
+bool PolytopeSolver::furthestBeyond(std::vector<double>& rows, std::size_t place, const double* interior,
+                                    double* point, double& violation) {
+  double* const row = rows.data() + place;
+  const double bound = row[dimension_];
+  row[dimension_] += tolerance::kMostBeyond;
+  const bool is_found =
+      furthest(rows.data(), static_cast<int>(rows.size()) / (dimension_ + 1), interior, row, point);
+  row[dimension_] = bound;
+  if (is_found) violation = -radiusAbout(row, 1, point);
+  return is_found;
+}
+
 // What was left out first may rest on a row that was left out later, and reach further than that by the angle of others.
 bool PolytopeSolver::restoreRows(const double* rows, int count, const double* interior, double tolerance,
                                  MinimalRows& result) {
@@ -107,15 +120,12 @@ bool PolytopeSolver::restoreRows(const double* rows, int count, const double* in
   for (int i = 0; i < count; ++i) {
     if (std::find(result.facets.begin(), result.facets.end(), i) != result.facets.end()) continue;
     const double* const row = row_of(i);
+    const std::size_t end = needed.size();
     needed.insert(needed.end(), row, row + n + 1);
-    needed.back() += tolerance::kMostBeyond;
-    double beyond[kMaxDimension];
-    if (!furthest(needed.data(), static_cast<int>(needed.size()) / (n + 1), interior, row, beyond))
-      return false;
-    const double violation = -radiusAbout(row, 1, beyond);
-    needed.back() = row[n];
+    double beyond[kMaxDimension], violation = 0.0;
+    if (!furthestBeyond(needed, end, interior, beyond, violation)) return false;
     if (violation <= tolerance) {
-      needed.resize(needed.size() - static_cast<std::size_t>(n) - 1);
+      needed.resize(end);
       continue;
     }
     const auto place = std::lower_bound(result.facets.begin(), result.facets.end(), i);
@@ -139,14 +149,12 @@ bool PolytopeSolver::renewPoints(const double* rows, const std::vector<int>& res
       return i == facet || -radiusAbout(row_of(i), 1, point) <= tolerance;
     });
     if (!is_right) {
-      std::vector<double> others;
-      for (const int other : result.facets) {
-        others.insert(others.end(), row_of(other), row_of(other) + n + 1);
-        if (other == facet) others.back() += tolerance::kMostBeyond;
-      }
-      const int count = static_cast<int>(result.facets.size());
-      if (!furthest(others.data(), count, interior, row_of(facet), point)) return false;
-      if (-radiusAbout(row_of(facet), 1, point) <= tolerance) {
+      std::vector<double> facets;
+      for (const int one : result.facets) facets.insert(facets.end(), row_of(one), row_of(one) + n + 1);
+      double violation = 0.0;
+      if (!furthestBeyond(facets, k * (static_cast<std::size_t>(n) + 1), interior, point, violation))
+        return false;
+      if (violation <= tolerance) {
         const auto first = result.beyond.begin() + static_cast<std::ptrdiff_t>(k) * n;
         result.beyond.erase(first, first + n);
         result.facets.erase(result.facets.begin() + static_cast<std::ptrdiff_t>(k));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -85,6 +86,8 @@ class PolytopeSolver {
  private:
   bool minimalOneByOne(int kept, const double* rows, int count, const double* interior, double tolerance,
                        MinimalRows& result);
+  bool furthestBeyond(std::vector<double>& rows, std::size_t place, const double* interior, double* point,
+                      double& violation);
   bool restoreRows(const double* rows, int count, const double* interior, double tolerance,
                    MinimalRows& result);
   bool renewPoints(const double* rows, const std::vector<int>& restored, const double* interior,
