@@ -91,11 +91,21 @@ catkinIsolated() {
   return "$status"
 }
 
-# The workspaces of users: one that links the packages, from source alone; and one with a copy of them.
+# The workspaces of users: one with a copy of the packages, each built by itself; and one that links them, from source alone.
+isolatedCommand() {
+  startCommand 1 run workspace
+  isolatedStep
+  say "1 passed, 0 failed"
+}
+
 workspaceCommand() {
   startCommand 2 run workspace
   own workspace
   step workspace "building the catkin workspace from source alone" catkinMake build/workspace
-  step isolated "seeing that each package of a copy finds its siblings in a build of its own" catkinIsolated
+  isolatedStep
   say "2 passed, 0 failed"
+}
+
+isolatedStep() {
+  step isolated "seeing that each package of a copy finds its siblings in a build of its own" catkinIsolated
 }
