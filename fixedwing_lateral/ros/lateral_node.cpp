@@ -67,6 +67,8 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
   shown_.reason = polyfly::GuidanceReason::kNone;
   diagnostics_.setHardwareID("none");
   diagnostics_.add("lateral guidance", this, &LateralNode::diagnose);
+  const std::string widening = describeWidening(polyfly::turnPlanOf(setup_, guidance_.output()));
+  if (!widening.empty()) ROS_WARN("lateral guidance: %s", widening.c_str());
   connect(handle);
 }
 
@@ -198,7 +200,11 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
     }
     requireFrame(message->header.frame_id);
     const polyfly::TurnPlan turns = polyfly::turnPlanOf(setup_, guidance_.output());
-    guidance_.setMission(toMission(*message, setup_.guidance.loiter, turns));
+    polyfly::Mission mission = toMission(*message, setup_.guidance.loiter, turns);
+    if (mission.merged_points > 0)
+      ROS_WARN("lateral guidance: %d way-points less than %.1f m from the one before are left out",
+               mission.merged_points, polyfly::kSamePoint);
+    guidance_.setMission(std::move(mission));
     mission_frame_ = message->header.frame_id;
     ROS_INFO("lateral guidance: a mission of %d segments", guidance_.track().count());
     const std::string steep = describeSteep(guidance_.track().segments(), turns.conditions);

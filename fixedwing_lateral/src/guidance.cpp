@@ -380,7 +380,7 @@ double LateralGuidance::fallbackReference(const AircraftState& state) const noex
   L1Options l1;
   l1.gravity = options_.model.gravity;
   l1.roll_limit = options_.limits.roll_reference;
-  l1.period = std::max(l1.period, leastL1Period(state.ground_velocity.norm(), l1));
+  l1.period = std::max(l1.period, leastL1Period(air_.airspeed(), l1));
   return l1RollReference(track_.current(), state.position, state.ground_velocity, l1);
 }
 

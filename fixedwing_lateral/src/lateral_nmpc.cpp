@@ -132,22 +132,11 @@ void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noex
   cost_ += terms.cost + weights_.roll * roll * roll;
 }
 
-// The roll loop settles at the rate (b0 phi_r - a0 phi) / a1. So the greatest rate is a bound of phi_r about the roll,
-// which is taken from the last iteration: all of them stay boxes.
-Interval LateralNmpc::moveBound(const LateralState& node) const noexcept {
-  const double limit = limits_.roll_reference;
-  if (!(model_.roll_rate_max > 0.0)) return {-limit, limit};
-  const double holding = std::clamp(model_.a0 / model_.b0 * node[Index::kRoll], -limit, limit);
-  const double room = model_.a1 / model_.b0 * model_.roll_rate_max;
-  return {std::max(-limit, holding - room), std::min(limit, holding + room)};
-}
-
 void LateralNmpc::setBounds() noexcept {
   Interval* moves = qp_.moveBounds();
   Interval* rolls = qp_.rollBounds();
   for (int k = 0; k < N_; ++k) {
-    const Interval bound = moveBound(nodes_[k]);
-    moves[k] = {bound.lower - moves_[k], bound.upper - moves_[k]};
+    moves[k] = {-limits_.roll_reference - moves_[k], limits_.roll_reference - moves_[k]};
     const double roll = nodes_[k + 1][Index::kRoll];
     rolls[k] = {-limits_.roll - roll, limits_.roll - roll};
   }

@@ -75,12 +75,19 @@ Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loit
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
                        const std::string& where) {
   std::vector<PathSegment> segments;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    if ((points[i] - points[i - 1]).norm() < kShortestSegment) continue;
-    segments.emplace_back(LineSegment{points[i - 1], points[i]});
+  int merged = 0;
+  for (std::size_t i = 1, last = 0; i < points.size(); ++i) {
+    if ((points[i] - points[last]).norm() < kSamePoint) {
+      ++merged;
+      continue;
+    }
+    segments.emplace_back(LineSegment{points[last], points[i]});
+    last = i;
   }
   if (segments.empty()) throw Error(where + ": needs at least two points apart from each other");
-  return makeMission(std::move(segments), loiter, where);
+  Mission mission = makeMission(std::move(segments), loiter, where);
+  mission.merged_points = merged;
+  return mission;
 }
 
 MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where)

@@ -84,8 +84,8 @@ Part readLines(const YamlField& field, const TurnPlan&) {
   Part part;
   const std::vector<Vector2d> points = readPoints(field);
   for (std::size_t i = 1; i < points.size(); ++i) {
-    if ((points[i] - points[i - 1]).norm() < kShortestSegment)
-      field.items()[i].fail("must differ from the point before");
+    if ((points[i] - points[i - 1]).norm() < kSamePoint)
+      field.items()[i].fail("must be at least 0.1 m from the point before");
     part.segments.emplace_back(LineSegment{points[i - 1], points[i]});
   }
   return part;

@@ -8,8 +8,6 @@ namespace {
 
 // Greatest product of the step and the roll loop's natural frequency; the Runge-Kutta step is accurate below it.
 constexpr double kStepFrequency = 1.5;
-// Factor of e_near where the horizon knows the greatest roll rate.
-constexpr double kKnownRate = 2.0;
 // Least ratio of the weights of e_t and phi_r [rad^2/m^2].
 constexpr double kLeastStiffness = 1e-9;
 // Share of the unseen part of a turn by which a corner is switched before its bisector.
@@ -34,8 +32,7 @@ SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const Hor
   const double stiffness = weights.track / weights.roll_reference;
   const double slowness =
       std::pow(published.track / published.roll_reference / std::max(stiffness, kLeastStiffness), 0.75);
-  scaling.near =
-      (model.roll_rate_max > 0.0 ? kKnownRate : 1.0) * kNearTime * airspeed * std::min(1.0, slowness);
+  scaling.near = kNearTime * airspeed * std::min(1.0, slowness);
   return scaling;
 }
 

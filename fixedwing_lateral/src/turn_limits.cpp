@@ -17,6 +17,8 @@ constexpr double kDegree = 180.0 / kPi;
 constexpr double kRounding = 1e-9;
 // Relative tolerance of a deviation for which a radius was planned.
 constexpr double kRelativeRounding = 1e-6;
+// Factor of the least radius from which a presumed roll rate is told of.
+constexpr double kTellingWidth = 1.2;
 // Greatest distance from the end of a segment to the one after it, for a smooth junction [m].
 constexpr double kMeets = 1.0;
 // Presumed roll rate, 17 deg/s, and the airspeed up to which it holds.
@@ -252,6 +254,19 @@ TightTurns tightTurnsOf(const std::string& name, const std::string& where) {
 
 double TurnPlan::planned(double radius) const noexcept {
   return tight == TightTurns::kWiden ? std::max(radius, leastRadius(conditions)) : radius;
+}
+
+std::string describeWidening(const TurnPlan& plan) {
+  if (plan.tight != TightTurns::kWiden || !plan.conditions.is_rate_presumed) return {};
+  TurnConditions unbounded = plan.conditions;
+  unbounded.roll_rate = 0.0;
+  const double least = leastRadius(plan.conditions);
+  if (least < kTellingWidth * leastRadius(unbounded)) return {};
+  return format(
+      "turns get a radius of at least %.0f m at %.1f m/s in a wind of %.1f m/s, because %.0f deg/s of roll "
+      "are "
+      "presumed; set model/roll_rate_max, a0, a1 and b0 of the aircraft for smaller ones",
+      least, plan.conditions.airspeed, plan.conditions.wind_speed, kDegree * plan.conditions.roll_rate);
 }
 
 Mission fitTurns(Mission mission, const TurnPlan& plan, const std::string& where) {

@@ -97,7 +97,7 @@ TEST(MissionFile, SaysWhatIsWrongAndWhere) {
       {"path:\n  - {lines: [[0, 0], [1, 1]], spline: [[0, 0], [1, 1]]}",
        "path[0]: must be one part, has lines and spline"},
       {"path:\n  - lines: [[0, 0]]", "m.yaml:2: path[0].lines: must be at least two points"},
-      {"path:\n  - lines: [[0, 0], [0, 0]]", "path[0].lines[1]: must differ from the point before"},
+      {"path:\n  - lines: [[0, 0], [0, 0]]", "path[0].lines[1]: must be at least 0.1 m from the point before"},
       {"path:\n  - lines: [[0, 0], [5]]", "path[0].lines[1]: must be [north, east]"},
       {"path:\n  - lines: [[0, 0], [5, .nan]]", "path[0].lines[1][1]: must be a finite number"},
       {"path:\n  - lines: [[0, 0], [5, x]]", "path[0].lines[1][1]: must be a finite number"},

@@ -43,6 +43,11 @@ TEST(Mission, RefusesWhatCannotBeFlown) {
     EXPECT_NE(std::string(error.what()).find("test: segment 1: a loiter has no end"), std::string::npos);
   }
   EXPECT_EQ(missionThrough({{0.0, 0.0}, {0.0, 0.0}, {9.0, 0.0}}, {}, "test").segments.size(), 2U);
+  // Points that are one up to rounding have no direction between them that could be flown.
+  const Mission merged =
+      missionThrough({{0.0, 0.0}, {9.0, 0.0}, {9.0, 1e-9}, {9.0, 0.06}, {9.0, 0.12}, {9.0, 9.0}}, {}, "test");
+  EXPECT_EQ(merged.segments.size(), 4U);
+  EXPECT_EQ(merged.merged_points, 2);
 }
 
 TEST(MissionTrack, CutsCornersAndDoesNotCutSmoothJunctions) {

@@ -396,4 +396,17 @@ TEST(UnflyableCircle, TheDubinsFigureIsPlannedForItsWind) {
   EXPECT_LT(metrics.loiter, 3.0);
 }
 
+TEST(TurnPlan, TellsBeforehandOfAPresumedRollRate) {
+  LateralParameters parameters;
+  parameters.guidance.airspeed_nominal = 75.0;
+  parameters.tight_turns = "widen";
+  const std::string told = describeWidening(turnPlanOf(parameters, {}));
+  EXPECT_NE(told.find("set model/roll_rate_max"), std::string::npos) << told;
+  parameters.guidance.model.roll_rate_max = 0.2;
+  EXPECT_EQ(describeWidening(turnPlanOf(parameters, {})), "");
+  parameters.guidance.model.roll_rate_max = 0.0;
+  parameters.tight_turns = "keep";
+  EXPECT_EQ(describeWidening(turnPlanOf(parameters, {})), "");
+}
+
 }  // namespace

@@ -101,7 +101,6 @@ class LateralNmpc {
  private:
   void linearise(const HorizonData& data) noexcept;
   void addRoll(int k, const StageTerms& terms, double roll_bias) noexcept;
-  Interval moveBound(const LateralState& node) const noexcept;
   void setBounds() noexcept;
   double stationarity() noexcept;
   void takeStep() noexcept;

@@ -21,6 +21,8 @@ struct Mission {
   std::vector<PathSegment> segments;
   /// Curves to which segments point, if the mission must own them.
   std::vector<std::shared_ptr<const PathCurve>> curves;
+  /// Points that were left out, see missionThrough.
+  int merged_points = 0;
 };
 
 /// The segments, with a loiter that begins where the last one ends, unless that is one already. Throws
@@ -28,7 +30,10 @@ struct Mission {
 /// path.hpp, or a loiter before the end.
 Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loiter, const std::string& where);
 
-/// Lines from each point to the next, then the loiter. Points closer together than kShortestSegment are one.
+/// Points of a path that are nearer to each other than this are one [m].
+constexpr double kSamePoint = 0.1;
+
+/// Lines from each point to the next, then the loiter. A point nearer than kSamePoint to the one before is left out.
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
                        const std::string& where);
 

@@ -27,7 +27,7 @@ namespace polyfly {
 //   share = min(1, max(s^-4, (e_near / e)^(4/3))),   e: the largest |e_t| in the horizon.
 //
 // e_near is kNearTime V for the published weights: 13 m at 52 m/s, which needs 13 deg/s. With a larger w it is less by
-// w^3. It is twice as much where model/roll_rate_max is known, because the horizon then does not ask for more.
+// w^3.
 //
 // At and below V_0 the share is 1 and nothing changes: a slower aircraft has no faster roll loop.
 
@@ -79,7 +79,7 @@ struct CornerConditions {
 CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& conditions, double scaled_airspeed,
                           const LateralModel& model) noexcept;
 
-/// Airspeed times this is e_near where the horizon does not know the greatest roll rate [s].
+/// Airspeed times this is e_near [s].
 constexpr double kNearTime = 0.25;
 
 /// Decides when the scale follows the airspeed: gusts do not change it.

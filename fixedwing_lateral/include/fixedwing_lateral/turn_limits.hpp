@@ -134,6 +134,9 @@ struct TurnPlan {
   double planned(double radius) const noexcept;
 };
 
+/// By how much turns are widened because the greatest roll rate is not known. Empty where it changes little.
+std::string describeWidening(const TurnPlan& plan);
+
 /// A mission by the plan. A loiter that is widened keeps the place and the direction in which the segment
 /// before meets it, or its centre where none does. Throws polyfly::Error, beginning with `where` and the
 /// segment's number.
