@@ -68,8 +68,10 @@ int run(const Tool& tool, int argc, char** argv, const std::function<void(const 
   Arguments arguments;
   try {
     const std::string answer = read(tool, argc, argv, arguments);
-    if (!answer.empty()) return std::fputs(answer.c_str(), stdout) < 0 ? kRefused : 0;
-    check(arguments);
+    if (answer.empty()) check(arguments);
+    std::fputs(answer.c_str(), stdout);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw Unreadable("the standard output cannot be written");
     return 0;
   } catch (const BadUsage& error) {
     say(tool.name, error.what() + (" (see " + tool.name + " --help)"));

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/file_draft.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "region_maps/map_image.hpp"
 #include "scratch_folder.hpp"
@@ -299,6 +300,21 @@ TEST(WriteFileAtomically, StepsAroundALeftOver) {
   EXPECT_EQ(readBytes(folder.file(left_over)), Bytes(3));
   EXPECT_EQ(readBytes(folder.file("a.map")).size(), 5u);
   EXPECT_EQ(folder.names().size(), 2u);
+}
+
+TEST(FileDraft, OfAKilledWriterLeavesNothing) {
+  const ScratchFolder folder;
+  const int unnamed = ::open(folder.file("").c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (unnamed < 0) GTEST_SKIP() << "this file system has no files without a name";
+  ::close(unnamed);
+  EXPECT_EXIT(
+      {
+        FileDraft draft(folder.file("a.map"));
+        draft.write("bytes", 0, 5);
+        ::kill(::getpid(), SIGKILL);
+      },
+      testing::KilledBySignal(SIGKILL), "");
+  EXPECT_EQ(folder.names(), std::vector<std::string>{});
 }
 
 /// What waits to be read at an end that was opened for reading.

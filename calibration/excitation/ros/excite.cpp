@@ -5,13 +5,28 @@
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 
-// excite --plan FILE prints duration and spectrum, without ROS; otherwise the node.
+namespace {
+
+constexpr const char* kHelp =
+    "Flies the manoeuvres of a plan that excite a vehicle's loops, as a ROS node.\n"
+    "usage: excite _plan:=FILE [_PARAMETER:=VALUE ...]   the node; excitation/README.md lists its "
+    "parameters\n"
+    "       excite --plan FILE                           prints duration and spectrum of a plan, without "
+    "ROS\n"
+    "       excite --help\n";
+
+}  // namespace
+
 int main(int argc, char** argv) {
   try {
+    if (argc >= 2 && (std::string(argv[1]) == "--help" || std::string(argv[1]) == "-h")) {
+      std::cout << kHelp << std::flush;
+      return std::cout ? 0 : 2;
+    }
     if (argc >= 2 && std::string(argv[1]) == "--plan") {
       if (argc != 3) throw polyfly::Error("--plan: must be followed by one plan file");
-      std::cout << polyfly::describe(polyfly::loadPlan(argv[2]));
-      return 0;
+      std::cout << polyfly::describe(polyfly::loadPlan(argv[2])) << std::flush;
+      return std::cout ? 0 : 2;
     }
     ros::init(argc, argv, "excite");
     polyfly_ros::ExciteNode node(ros::NodeHandle(), ros::NodeHandle("~"));

@@ -4,6 +4,12 @@ import numpy as np
 from ._polyfly import Error, Map, RobustProblem, parse_problem, parse_robust_problem
 
 
+# Smaller entries of a steady state, beside the greatest of its column, are rounding.
+_ROUNDING = 1e-12
+
+_STEADY_ROLES = ("input_reference", "state_reference", "reference", "disturbance")
+
+
 def _problem_of(source, parse):
     return parse(source.problem_text, source.path + ": problem text") if isinstance(source, Map) else source
 
@@ -31,23 +37,57 @@ class Law:
         outputs, disturbances = self.problem.C.shape[0], self.problem.Bd.shape[1]
         unit = np.eye(disturbances + outputs)
         states = [self.problem.steady_state(column[disturbances:], column[:disturbances]) for column in unit]
-        self._x_target = np.column_stack([state.x for state in states])
-        self._u_target = np.column_stack([state.u for state in states])
+        target = np.vstack([np.column_stack([state.x for state in states]), np.column_stack([state.u for state in states])])
+        target[np.abs(target) < _ROUNDING * np.max(np.abs(target), axis=0)] = 0.0
+        self._x_target, self._u_target = np.vsplit(target, [self.problem.A.shape[0]])
         self._no_disturbance = np.zeros(disturbances)
+        # Parameters are x and d themselves; else errors, whose references cover all of d.
+        self._absolute = any(entry.role == "state" for entry in self.problem.parameters)
+        self._constants = self._assumed()
         self.reset()
+
+    def _assumed(self):
+        """(name, role, index, value) of what the law takes as constant of a steady state, because it is no entry of theta."""
+        problem = self.problem
+        constants = [(entry.signal.name, entry.role, entry.index, entry.signal.lower) for entry in problem.fixed_parameters
+                     if entry.role in _STEADY_ROLES]
+        given = {(entry.role, entry.index) for entry in [*problem.parameters, *problem.fixed_parameters]}
+        if self._absolute:
+            wanted = [(f"of role {role}, index {index}", role, index) for role, count in
+                      (("reference", problem.C.shape[0]), ("disturbance", problem.Bd.shape[1])) for index in range(count)]
+        else:
+            wanted = [(f"{signal.name}_ref", "input_reference", index) for index, signal in enumerate(problem.inputs)]
+            wanted += [(f"{problem.states[index].name}_ref", "state_reference", index) for index in problem.bounded_states]
+        return constants + [(*entry, 0.0) for entry in wanted if entry[1:] not in given]
+
+    def _sized(self, field, value, size):
+        value = np.atleast_1d(np.asarray(value, dtype=float))
+        if value.shape != (size,):
+            raise Error(f"{self.problem.name}: {field}: must be a vector of {size} numbers, got the shape {value.shape}")
+        return value
 
     def reset(self):
         """Forgets the last input."""
         self._u_previous = None
 
     def theta(self, state, reference, disturbance=None):
-        """The parameter of the law at a state, for an output that is to be held at `reference`."""
-        given = self._no_disturbance if disturbance is None else np.atleast_1d(disturbance)
-        target = np.concatenate([given, np.atleast_1d(reference)])
-        x_ref, u_ref, x = self._x_target @ target, self._u_target @ target, np.asarray(state, dtype=float)
+        """The parameter of the law at a state, for an output that is to be held at `reference`.
+
+        Raises Error where the steady state (Eq. 6) needs a parameter that the law does not have, or has with another value.
+        """
+        x = self._sized("state", state, self._x_target.shape[0])
+        r = self._sized("reference", reference, self.problem.C.shape[0])
+        given = self._no_disturbance if disturbance is None else self._sized("disturbance", disturbance,
+                                                                             len(self._no_disturbance))
+        target = np.concatenate([given, r])
+        x_ref, u_ref = self._x_target @ target, self._u_target @ target
         values = {"error": x - x_ref, "input_reference": u_ref, "state_reference": x_ref, "state": x,
-                  "reference": np.atleast_1d(reference), "disturbance": given,
+                  "reference": r, "disturbance": given if self._absolute else self._no_disturbance,
                   "previous_input": u_ref if self._u_previous is None else self._u_previous}
+        for name, role, index, constant in self._constants:
+            if not np.isclose(values[role][index], constant, rtol=_ROUNDING, atol=0.0):
+                raise Error(f"{self.problem.name}: parameters: {name}: the law takes it as {constant:g}, "
+                            f"but state, reference and disturbance make it {values[role][index]:g}; give it a range")
         return np.array([values[entry.role][entry.index] for entry in self.problem.parameters])
 
     def step(self, state, reference, disturbance=None):

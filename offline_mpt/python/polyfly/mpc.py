@@ -39,7 +39,7 @@ class MPC(Statement):
         return self
 
     def bounds(self, x=None, u=None, e=None, soft=None):
-        """Pairs (lower, upper), infinite where there is none.
+        """Pairs (lower, upper) of numbers or lists, or a list of such pairs, one for each signal; infinite where there is none.
 
         x       of x itself along the horizon. Where u_ref is a parameter, `STATE_ref` must be one too
         u       of u, required

@@ -43,13 +43,18 @@ def weight(value):
 
 
 def ranges(name, bounds, count):
-    """`count` pairs (lower, upper) out of a pair of numbers or lists; infinite where there is none."""
+    """`count` pairs (lower, upper) out of a pair of numbers or lists, or a list of such pairs; infinite where there is none."""
     if bounds is None:
         return [(-np.inf, np.inf)] * count
+    if isinstance(bounds, list) and len(bounds) == count and all(isinstance(pair, tuple) and len(pair) == 2 for pair in bounds):
+        return bounds
+    if count == 2 and not isinstance(bounds, tuple) and np.ndim(bounds) == 2:
+        raise Error(f"bounds: {name} can be read as (lower, upper) of lists, and as a list of pairs: "
+                    "write a tuple of two lists, or a list of tuples")
     try:
         lower, upper = (np.broadcast_to(np.asarray(side, dtype=object), count) for side in bounds)
     except (TypeError, ValueError) as error:
-        raise Error(f"bounds: {name} must be a pair (lower, upper) of numbers, or of lists of {count}") from error
+        raise Error(f"bounds: {name} must be a pair (lower, upper) of numbers, or of lists of {count}, or a list of {count} pairs") from error
     return list(zip(lower, upper))
 
 

@@ -3,11 +3,13 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bindings.hpp"
 #include "mpc_core/mpc_problem.hpp"
@@ -40,6 +42,18 @@ const char* roleName(const MpcProblem::Parameter& parameter) {
       return "disturbance";
   }
   return "";
+}
+
+/// Indices of the states that a bound on x itself concerns.
+std::vector<int> boundedStates(const MpcProblem& problem) {
+  std::vector<int> states;
+  for (int i = 0; i < problem.stateCount(); ++i) {
+    const bool bounded = std::any_of(
+        problem.constraints.begin(), problem.constraints.end(),
+        [i](const StageConstraint& constraint) { return constraint.absolute && constraint.G_x(i) != 0.0; });
+    if (bounded) states.push_back(i);
+  }
+  return states;
 }
 
 SteadyState steadyStateOf(const MpcProblem& problem, const Eigen::VectorXd& reference,
@@ -90,6 +104,10 @@ void bindProblems(py::module_& module) {
       .def_readonly("inputs", &MpcProblem::inputs, "With the bounds of u.")
       .def_readonly("disturbances", &MpcProblem::disturbances)
       .def_readonly("parameters", &MpcProblem::parameters)
+      .def_readonly("fixed_parameters", &MpcProblem::fixed_parameters,
+                    "Parameters with a value (lower = upper) in place of a range: no entries of theta.")
+      .def_property_readonly("bounded_states", &boundedStates,
+                             "Indices of the states that a bound on x itself concerns.")
       .def_readonly("discrete", &MpcProblem::discrete, "True: the model is in discrete time.")
       .def_readonly("A", &MpcProblem::A_c,
                     "Continuous time: x' = A x + B u + Bd d; with `discrete`, x_{k+1} = A x_k + ....")

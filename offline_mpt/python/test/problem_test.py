@@ -65,6 +65,10 @@ class Builder(unittest.TestCase):
         after = thetas[known] @ model.A.T + inputs[known] @ model.B.T
         self.assertLess(np.max(np.abs(after[:, 1])), 0.5 + 1e-6)
 
+    def test_bounds_as_pairs_of_each_state(self):
+        pairs = mass().bounds(e=[(-1, 2), (-0.5, 3)], u=(-1, 1)).problem()
+        self.assertEqual([(-1, 2), (-0.5, 3)], [(state.lower, state.upper) for state in pairs.states])
+
     def test_sentences(self):
         for build, sentence in (
                 (lambda: pf.MPC(**MASS).problem(), "mass: cost, bounds of u and parameters must be given"),
@@ -74,6 +78,7 @@ class Builder(unittest.TestCase):
                 (lambda: mass().parameters({**MASS_BOX, "w": (0, 1)}).problem(), "w is none of e_p, e_v"),
                 (lambda: mass().bounds(u=(-1, np.nan)).problem(), "mass:[0-9]+: .*range"),
                 (lambda: mass().bounds(x=([1, 2, 3], 4), u=(-1, 1)).problem(), "x must be a pair .* lists of 2"),
+                (lambda: mass().bounds(x=[[-1, 1], [-2, 2]], u=(-1, 1)).problem(), "x can be read as"),
                 (lambda: mass(model={**MASS, "B": [[0], [1], [2]]}).problem(), "mass:[0-9]+: model.B")):
             with self.subTest(sentence=sentence), self.assertRaisesRegex(pf.Error, sentence):
                 build()
@@ -295,6 +300,28 @@ class Loops(unittest.TestCase):
     def test_wrong_sizes(self):
         with self.assertRaisesRegex(pf.Error, "lateral_asl: reference: must have 1 numbers, got 2"):
             pf.load(LATERAL).steady_state([1.0, 2.0])
+        law = pf.Law(mass().problem())
+        for arguments, sentence in ((([0.5], 0.0), "mass: state: must be a vector of 2 numbers"),
+                                    (([0.5, 0.0], [0.0, 1.0]), "mass: reference: must be a vector of 1 numbers"),
+                                    (([0.5, 0.0], 0.0, 1.0), "mass: disturbance: must be a vector of 0 numbers")):
+            with self.subTest(sentence=sentence), self.assertRaisesRegex(pf.Error, sentence):
+                law.step(*arguments)
+
+    def test_what_a_steady_state_needs_is_named(self):
+        disturbed = {**MASS, "Bd": [0, 1]}
+        bounded = mass().bounds(x=[(-1, 1), (-np.inf, np.inf)], u=(-1, 1)).parameters(MASS_BOX)
+        fixed = mass().bounds(x=[(-1, 1), (-np.inf, np.inf)], u=(-1, 1)).parameters({**MASS_BOX, "p_ref": 0.3})
+        for law, arguments, name in ((mass(model=disturbed), ([0.5, 0.0], 0.0, 0.1), "u_ref"),
+                                     (bounded, ([0.5, 0.0], 0.8), "p_ref"), (fixed, ([0.5, 0.0], 0.8), "p_ref")):
+            with self.subTest(name=name), self.assertRaisesRegex(pf.Error, f"parameters: {name}: the law takes it as"):
+                pf.Law(law.problem()).step(*arguments)
+        for law, reference in ((mass(), 0.8), (bounded, 0.0), (fixed, 0.3)):
+            pf.Law(law.problem()).step([0.5, 0.0], reference)
+
+    def test_references_cover_the_disturbance_of_errors(self):
+        text = mass(model={**MASS, "Bd": [0, 1]}).parameters({**MASS_BOX, "u_ref": (-0.5, 0.5)}).text()
+        law = pf.Law(pf.parse_problem(text + "  - {name: d_more, role: disturbance, of: d, unit: '1', range: [-1, 1]}\n", "text"))
+        np.testing.assert_allclose(law.theta([0.5, 0.0], 0.0, 0.1), [0.5, 0.0, -0.1, 0.0], atol=1e-12)
 
 
 class Robust(unittest.TestCase):

@@ -103,11 +103,26 @@ std::string ParameterReader::text(const std::string& key, const std::string& wha
 void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
   const std::vector<std::string> names = allNames();
   refuseMisspeltGroups(names, namespaces);
+  refuseValuesOfGroups(names, namespaces);
   for (const std::string& space : namespaces) {
     const std::string prefix = handle_.resolveName(space) + "/";
     for (const std::string& name : names) {
       if (startsWith(name, prefix) && read_.count(name) == 0) refuseValue(name, "unknown");
     }
+  }
+}
+
+void ParameterReader::refuseValuesOfGroups(const std::vector<std::string>& names,
+                                           const std::vector<std::string>& namespaces) const {
+  std::set<std::string> groups;
+  for (const std::string& space : namespaces) groups.insert(handle_.resolveName(space));
+  for (const std::string& name : read_) {
+    for (std::size_t end = name.rfind('/'); end != 0 && end != std::string::npos;
+         end = name.rfind('/', end - 1))
+      groups.insert(name.substr(0, end));
+  }
+  for (const std::string& name : names) {
+    if (groups.count(name) != 0) refuseValue(name, "must be a group of parameters, not a value");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/file_draft.hpp"
@@ -78,11 +79,22 @@ FileDraft::FileDraft(const std::string& target) : name_(target), target_(followL
   if (replaces && (!S_ISREG(old.st_mode) || isStream(target_)))
     throw Error(name_ + ": must be a file, not a device, a FIFO or the standard output");
   if (replaces && ::access(target_.c_str(), W_OK) != 0) fail("cannot be written");
-  // A writer that was killed may have left a file of the same name: take the next one.
-  for (int attempt = 0; descriptor_ < 0; ++attempt) {
-    path_ = target_ + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(attempt);
-    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && (errno != EEXIST || attempt == kMaxAttempts)) fail("cannot be written");
+  // A file without a name is gone when its writer is killed. Not every file system has such files.
+  descriptor_ = ::open(folderOf(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (descriptor_ >= 0) {
+    path_ = "/proc/self/fd/" + std::to_string(descriptor_);
+    if (::access(path_.c_str(), F_OK) != 0) ::close(std::exchange(descriptor_, -1));
+  }
+  if (descriptor_ >= 0) {
+    const long longest = ::pathconf(folderOf(target_).c_str(), _PC_NAME_MAX);
+    const std::string name = draftName(0);
+    if (longest > 0 && name.size() - (name.rfind('/') + 1) > static_cast<std::size_t>(longest)) {
+      ::close(descriptor_);
+      errno = ENAMETOOLONG;
+      fail("cannot be written");
+    }
+  } else {
+    take([&] { return descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
   }
   if (!replaces) return;
   // Who may read and write it stays, as far as the system lets this user say so.
@@ -92,7 +104,21 @@ FileDraft::FileDraft(const std::string& target) : name_(target), target_(followL
 
 FileDraft::~FileDraft() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!renamed_) ::unlink(path_.c_str());
+  if (named_ && !renamed_) ::unlink(path_.c_str());
+}
+
+std::string FileDraft::draftName(int attempt) const {
+  return target_ + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(attempt);
+}
+
+template <class Create>
+void FileDraft::take(const Create& create) {
+  // A writer that was killed may have left a file of the same name: take the next one.
+  for (int attempt = 0; !named_; ++attempt) {
+    path_ = draftName(attempt);
+    named_ = create() >= 0;
+    if (!named_ && (errno != EEXIST || attempt == kMaxAttempts)) fail("cannot be written");
+  }
 }
 
 void FileDraft::write(const void* data, std::uint64_t offset, std::size_t bytes) {
@@ -113,6 +139,10 @@ void FileDraft::sync() {
 
 void FileDraft::commit() {
   sync();
+  if (!named_) {
+    const std::string unnamed = path_;
+    take([&] { return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW); });
+  }
   const int result = ::close(descriptor_);
   descriptor_ = -1;
   if (result != 0) fail("cannot be written");

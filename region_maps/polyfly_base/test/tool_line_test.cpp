@@ -68,7 +68,7 @@ TEST_F(ToolLine, WholeNumbersNeitherWrapNorSaturate) {
   expectRefused("--seed", "1.5", "1.5 is not a whole number of at least 0");
   expectRefused("--seed", "nan", "nan is not a whole number of at least 0");
   expectRefused("--seed", "010", "010 is not a whole number of at least 0");
-  expectRefused("--seed", "", "'' is not a whole number of at least 0");
+  expectRefused("--seed", "", "its value is empty");
   expectRefused("--threads", "0", "0 is not a whole number from 1 to 256");
   expectRefused("--threads", "257", "257 is not a whole number from 1 to 256");
   expectRefused("--samples", "2147483648", "2147483648 is not a whole number from 1 to 2147483647");
@@ -85,6 +85,7 @@ TEST_F(ToolLine, NumbersAreFiniteAndInTheirRange) {
   expectRefused("--wind", "-0.5", "-0.5 is not a finite number of at least 0");
   expectRefused("--share", "1", "1 is not a number from 0.5 to 0.9999");
   expectRefused("--offset", "north", "north is not a finite number");
+  expectRefused("--offset", "0x10", "0x10 is not a finite number");
   expectRefused("--offset", "1 m", "'1 m' is not a finite number");
   EXPECT_EQ(run({"--mass", "1e-3", "--wind", "0", "--share", "0.5", "--offset", "-2"}).code, 0);
   EXPECT_EQ(mass_, 1e-3);
@@ -134,6 +135,28 @@ TEST_F(ToolLine, NamesThatATerminalWouldActOnAreRefused) {
   EXPECT_EQ(run({"--word=\xc2\x9b"}).code, kBadUsage);
 }
 
+TEST_F(ToolLine, EmptyWordsAreRefusedBeforeTheWork) {
+  const auto never = []() -> int { throw Error("worked"); };
+  EXPECT_EQ(run({"--word", ""}, never).said, "toy: --word: its value is empty (see toy --help)\n");
+  EXPECT_EQ(run({"--word="}, never).said, "toy: --word= has no value (see toy --help)\n");
+  EXPECT_EQ(run({""}, never).said, "toy: an argument is empty (see toy --help)\n");
+}
+
+TEST_F(ToolLine, ADiskThatIsFullIsAnError) {
+  const auto printed = [&](const char* word) {
+    if (std::freopen("/dev/full", "w", stdout) == nullptr) return 0;
+    const std::vector<const char*> argv{"toy", word};
+    return runTool(app_, 2, argv.data(), [] {
+      std::puts("a line");
+      return 0;
+    });
+  };
+  EXPECT_EXIT(std::exit(printed("--seed=1")), testing::ExitedWithCode(kBadUsage),
+              "toy: the standard output cannot be");
+  EXPECT_EXIT(std::exit(printed("--help")), testing::ExitedWithCode(kBadUsage),
+              "toy: the standard output cannot be");
+}
+
 TEST_F(ToolLine, AWordThatIsNoCommandIsNamed) {
   app_.add_subcommand("fly", "flies");
   EXPECT_EQ(run({"land"}).said, "toy: 'land' is no command (see toy --help)\n");
@@ -158,6 +181,8 @@ TEST(Visible, KeepsTextAndShowsWhatATerminalWouldActOn) {
             "1m")
       << "C1 controls act as escapes do";
   EXPECT_EQ(visible("\xff\xc3"), "\\xff\\xc3");
+  EXPECT_EQ(visible("a\xe2\x80\xaegpj.exe"), "a\\xe2\\x80\\xaegpj.exe") << "turns what follows around";
+  EXPECT_EQ(visible("\xd8\x9c"), "\\xd8\\x9c");
   EXPECT_EQ(visibleLines("a\x1b\nb\n"), "a\\x1b\nb\n");
   EXPECT_TRUE(hasControl("a\tb"));
   EXPECT_FALSE(hasControl("r\xc3\xb6hre \xff.bag"));

@@ -39,14 +39,16 @@ class ParameterReader {
   /// As requiredText, but `fallback` where the parameter is not set.
   std::string text(const std::string& key, const std::string& what, const std::string& fallback);
 
-  /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling. So is
-  /// one below a namespace whose name is near to one of these, or of those read: see polyfly::closestName.
+  /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling. So is a value in
+  /// place of one of them, and one below a namespace whose name is near to one of these, or of those read: see polyfly::closestName.
   void refuseUnknown(const std::vector<std::string>& namespaces) const;
 
   /// Private parameters that were never read: perhaps misspelled.
   std::vector<std::string> unread() const;
 
  private:
+  void refuseValuesOfGroups(const std::vector<std::string>& names,
+                            const std::vector<std::string>& namespaces) const;
   void refuseMisspeltGroups(const std::vector<std::string>& names, std::vector<std::string> groups) const;
 
   ros::NodeHandle handle_;

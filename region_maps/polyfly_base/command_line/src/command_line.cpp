@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -49,10 +50,13 @@ std::optional<std::uint64_t> wholeOf(const std::string& digits) {
   return value;
 }
 
+/// In decimal: hexadecimal digits, which strtod would take, are not read.
 std::optional<double> numberOf(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || end != text.c_str() + text.size() || !std::isfinite(value)) return std::nullopt;
+  if (text.find_first_of("xX") != std::string::npos || text.empty() || end != text.c_str() + text.size() ||
+      !std::isfinite(value))
+    return std::nullopt;
   return value;
 }
 
@@ -77,14 +81,28 @@ bool isCommand(const CLI::App& app, const std::string& name) {
 }
 
 /// What is wrong with a word before it has a meaning: names of files are printed by many lines, so none may
-/// hold what a terminal would act on; and a word in the place of a command must be one.
+/// hold what a terminal would act on; an empty one is a variable of the shell that is not set; and a word in the place of a
+/// command must be one.
 std::string strayWord(const CLI::App& app, int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
-    if (hasControl(argv[i])) return shown(argv[i]) + ": control characters are not taken";
+    const std::string word = argv[i];
+    if (hasControl(word)) return shown(word) + ": control characters are not taken";
+    if (word.empty() && i > 1 && argv[i - 1][0] == '-')
+      return std::string(argv[i - 1]) + ": its value is empty";
+    if (word.empty()) return "an argument is empty";
+    if (word[0] == '-' && word.back() == '=') return word + " has no value";
   }
   const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
   if (!has_commands || argc < 2 || argv[1][0] == '-' || isCommand(app, argv[1])) return "";
   return "'" + std::string(argv[1]) + "' is no command";
+}
+
+constexpr const char* kNotPrinted = "the standard output cannot be written";
+
+/// Whether all that was printed has arrived.
+bool printedAll() {
+  std::cout.flush();
+  return std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
 }
 
 }  // namespace
@@ -101,9 +119,11 @@ int runTool(CLI::App& app, int argc, const char* const* argv, const std::functio
     if (!stray.empty()) return fail(stray + help);
     app.set_version_flag("--version", app.get_name() + " " + kVersion, "Print the version and exit");
     app.parse(argc, argv);
-    return work();
+    const int result = work();
+    return printedAll() ? result : fail(kNotPrinted);
   } catch (const CLI::Success& request) {  // --help, --version
-    return app.exit(request);
+    const int result = app.exit(request);
+    return printedAll() ? result : fail(kNotPrinted);
   } catch (const CLI::ParseError& error) {
     return fail(error.what() + help);
   } catch (const std::bad_alloc&) {

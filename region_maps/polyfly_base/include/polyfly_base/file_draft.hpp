@@ -7,8 +7,8 @@
 namespace polyfly {
 
 /// A new file beside its target that takes the target's place when it is complete. Readers see the old bytes or the
-/// new ones, also after a loss of power. Removed again unless it was committed; left behind only by a writer that was
-/// killed (TARGET.tmp-*). For what is too long for writeFileAtomically's one piece. Where the target is a symbolic
+/// new ones, also after a loss of power. It has no name until then, and is gone unless it was committed. Where a file system
+/// needs names, a writer that was killed leaves TARGET.tmp-* behind. For what is too long for writeFileAtomically's one piece. Where the target is a symbolic
 /// link, the file behind it is replaced; who may read a file stays as it was. Everything throws Error, also for a
 /// target that is there and no file.
 class FileDraft {
@@ -32,6 +32,10 @@ class FileDraft {
 
  private:
   [[noreturn]] void fail(const char* what) const;
+  std::string draftName(int attempt) const;
+  /// Gives the draft the first name at which `create` succeeds.
+  template <class Create>
+  void take(const Create& create);
 
   // Name of the target as the caller gives it.
   const std::string name_;
@@ -39,7 +43,7 @@ class FileDraft {
   const std::string target_;
   std::string path_;
   int descriptor_ = -1;
-  bool renamed_ = false;
+  bool named_ = false, renamed_ = false;
 };
 
 }  // namespace polyfly

@@ -15,8 +15,9 @@ namespace polyfly {
 constexpr int kBadUsage = 2;
 
 /// Parses the command line, which may ask for --version, then does the work, whose result is returned. Every error, of either, is one line
-/// `name: ...` on standard error, without what a terminal would act on, and kBadUsage is returned. Words with
-/// control characters are refused, since names of files are printed in many places. A tool that does not
+/// `name: ...` on standard error, without what a terminal would act on, and kBadUsage is returned; so is where the standard
+/// output cannot be written. Words with control characters are refused, since names of files are printed in many places, and
+/// so are empty ones. A tool that does not
 /// `speak` says nothing: of the processes of a launcher, which all fail alike, one does.
 int runTool(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& work,
             bool speaks = true);
