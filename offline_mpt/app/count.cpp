@@ -54,12 +54,9 @@ CountResult countWithProgress(const ParametricProgram& program, const CountArgum
   CountOptions count = options.count;
   count.stop = &stopOnSignal();
   Progress progress(options.quiet);
-  Forecast forecast;
   count.progress = [&](const ExploreProgress& state) {
-    forecast.add(progress.elapsed(), state.regions, state.described, state.open);
-    progress.show(
-        std::to_string(state.regions) + " regions proven, " + std::to_string(state.open) + " sets open",
-        forecast.remaining(), forecast.atLeast());
+    progress.show(std::to_string(state.regions) + " regions proven, " + std::to_string(state.open) +
+                  " sets open");
   };
   return countRegions(program, count);
 }
