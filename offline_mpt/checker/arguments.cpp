@@ -18,7 +18,7 @@ constexpr int kBadUsage = 2;
 constexpr int kStopped = 3;
 constexpr const char* kTimeLimit = "--time-limit";
 constexpr unsigned long long kLongestLimit = 100'000'000;  // [s], three years
-constexpr std::size_t kMostShown = 40;  // characters of a value that a message repeats
+constexpr std::size_t kMostShown = 40;                     // characters of a value that a message repeats
 
 std::string shown(std::string text) {
   const bool cut = text.size() > kMostShown;
