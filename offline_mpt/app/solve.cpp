@@ -78,6 +78,7 @@ Partition exploreWithProgress(const ParametricProgram& program, const SolveArgum
     if (const double rate = recent.perSecond(); rate > 0.0) {
       text += ", " + std::to_string(std::llround(rate)) + " regions/s";
     }
+    if (openSetsGrow(state.regions, state.open)) text += ", open sets grow faster than regions";
     if (state.unsaved) text += ", CHECKPOINT NOT WRITTEN";
     progress.show(text);
   };
@@ -144,7 +145,8 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
   Progress progress(options.quiet);
   TreeOptions tree;
   tree.threads = options.explore.threads;
-  tree.mode = options.tree_mode;
+  // Of a part the regions count, and they have a second.
+  tree.mode = isStopped(partition) ? TreeMode::kFast : options.tree_mode;
   tree.node_limit = options.tree_nodes;
   tree.group = group;
   tree.progress = [&](std::uint64_t done, std::uint64_t total) {
