@@ -10,7 +10,7 @@ INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 
 # Folders of a package in the order of their dependencies. A folder includes from itself and from those before it.
 OFFLINE_FOLDERS = ["support", "arithmetic", "lp", "program", "exact_kkt", "explore/sets", "explore/region",
-                   "explore/state", "explore/parallel", "explore", "soft", "tree", "count", "reduce", "verify", "certify",
+                   "explore/state", "explore/parallel", "explore", "soft", "tree", "reduce", "verify", "certify",
                    "certify/reduction", "diff"]
 CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight", "parameters"]
 
@@ -21,7 +21,6 @@ OFFLINE_HEADERS = {
     "explore_options": "explore/sets", "process_group": "explore/parallel", "explore": "explore",
     "soft_bounds": "soft", "loop_excess": "soft",
     "encode": "tree", "search_tree": "tree",
-    "count": "count",
     "reduce": "reduce",
     "verify": "verify",
     "certify": "certify", "verify_reduction": "certify/reduction", "reduce_proven": "certify/reduction",

@@ -108,7 +108,7 @@ class Install(unittest.TestCase):
 
     def test_tools_are_installed(self):
         tools = os.listdir(os.path.join(self.prefix, "bin"))
-        self.assertEqual({"calibrate", "check_certificate", "check_count", "check_problem", "mission", "offline_mpt"}, set(tools))
+        self.assertEqual({"calibrate", "check_certificate", "check_problem", "mission", "offline_mpt"}, set(tools))
         for tool in tools:
             self.assertRegex(run(os.path.join(self.prefix, "bin", tool), "--version"), r"^\w+ \d+\.\d+\.\d+\n$")
 

@@ -42,33 +42,14 @@ struct AnalyzeArguments {
 };
 
 /// Shows the three phases of an analysis, each with as many steps as there are regions.
-class Phases {
- public:
-  explicit Phases(Progress& progress) : progress_(progress) {}
-
-  void operator()(std::uint64_t done, std::uint64_t total) {
-    constexpr std::uint64_t kPhases = 3;
-    static const char* const kNames[kPhases] = {"corners of regions", "cover of the domain", "successors"};
-    const std::uint64_t steps = total / kPhases;
-    if (steps == 0) return;
-    const std::uint64_t phase = std::min(done / steps, kPhases - 1);
-    if (phase != phase_) {
-      phase_ = phase;
-      begin_ = progress_.elapsed();
-    }
-    const std::uint64_t mine = done - phase * steps;
-    const double spent = progress_.elapsed() - begin_;
-    const double remaining =
-        mine > 0 ? spent * static_cast<double>(steps - mine) / static_cast<double>(mine) : -1.0;
-    progress_.show(kNames[phase] + (": " + std::to_string(100 * mine / steps)) + " %", remaining,
-                   phase + 1 < kPhases);
-  }
-
- private:
-  Progress& progress_;
-  std::uint64_t phase_ = 0;
-  double begin_ = 0.0;
-};
+void showPhase(Progress& progress, std::uint64_t done, std::uint64_t total) {
+  constexpr std::uint64_t kPhases = 3;
+  static const char* const kNames[kPhases] = {"corners of regions", "cover of the domain", "successors"};
+  const std::uint64_t steps = total / kPhases;
+  if (steps == 0) return;
+  const std::uint64_t phase = std::min(done / steps, kPhases - 1);
+  progress.show(kNames[phase] + (": " + std::to_string(100 * (done - phase * steps) / steps)) + " %");
+}
 
 ExitCode analyzeMap(const AnalyzeArguments& options) {
   checkOutputs({{options.json}}, {options.map, options.model, options.within});
@@ -81,7 +62,9 @@ ExitCode analyzeMap(const AnalyzeArguments& options) {
   AnalyzeReport report;
   {
     Progress progress(options.quiet);
-    analyze_options.progress = Phases(progress);
+    analyze_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
+      showPhase(progress, done, total);
+    };
     report = analyze(map, loop, analyze_options);
   }
   if (!options.json.empty()) writeText(options.json, analyzeJson(report, map, model));

@@ -38,7 +38,6 @@ void addSet(CLI::App& app, ExitCode& exit_code);
 void addBounds(CLI::App& app, ExitCode& exit_code);
 void addExport(CLI::App& app, ExitCode& exit_code);
 void addCondense(CLI::App& app, ExitCode& exit_code);
-void addCount(CLI::App& app, ExitCode& exit_code);
 
 /// What an exploration that ended so returns to the shell.
 ExitCode exitCode(ExploreStatus status);

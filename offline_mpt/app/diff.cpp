@@ -39,7 +39,7 @@ ExitCode diffTwoMaps(const DiffArguments& arguments) {
   Progress progress(arguments.quiet);
   DiffOptions options = arguments.diff;
   options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
-    progress.show("compared " + std::to_string(done) + " of " + std::to_string(total) + " regions", -1.0);
+    progress.show("compared " + std::to_string(done) + " of " + std::to_string(total) + " regions");
   };
   const DiffReport report = diffMaps(first, second, options);
   progress.finish();

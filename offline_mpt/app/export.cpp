@@ -87,7 +87,7 @@ ExitCode exportMap(const ExportArguments& arguments) {
   const RegionMap map = RegionMap::open(arguments.map);
   Progress progress(arguments.quiet);
   ExportRequest request = arguments.request;
-  request.progress = [&progress](const std::string& text) { progress.show(text, -1.0); };
+  request.progress = [&progress](const std::string& text) { progress.show(text); };
   const ChosenExport chosen = chooseExport(map, reduced, request);
   progress.finish();
   ignoreSignals();

@@ -5,10 +5,29 @@
 
 namespace {
 
+/// A command that is gone, and what to use in its place.
+struct RemovedCommand {
+  const char* name;
+  const char* instead;
+};
+
+constexpr RemovedCommand kRemoved[] = {
+    {"count", "'solve --region-limit N' ends with exit code 3 where there are more than N regions"}};
+
+/// Removed commands are not listed. They take any arguments, and are refused.
+void addRemoved(CLI::App& app) {
+  for (const RemovedCommand& removed : kRemoved) {
+    CLI::App* command = app.add_subcommand(removed.name, "")->group("");
+    command->allow_extras()->prefix_command();
+    command->callback([removed] {
+      throw polyfly::Error(std::string(removed.name) + ": was removed; " + removed.instead);
+    });
+  }
+}
+
 const char kMainFooter[] =
     R"(Examples:
   offline_mpt solve multirotor_lateral.yaml -o lateral.map
-  offline_mpt count big.json --map-limit 24G
   offline_mpt info lateral.map
   offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1
   offline_mpt reduce lateral.map -o small.map --separate
@@ -35,7 +54,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;
   polyfly::addSolve(app, exit_code);
-  polyfly::addCount(app, exit_code);
+  addRemoved(app);
   polyfly::addCondense(app, exit_code);
   polyfly::addInfo(app, exit_code);
   polyfly::addEval(app, exit_code);

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <string>
 
 namespace polyfly {
@@ -16,9 +15,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows `text` if it is time to. `remaining` [s] is added where it is not negative; `at_least` says that
-  /// more may turn up.
-  void show(const std::string& text, double remaining, bool at_least = false);
+  /// Shows `text` and the time that has passed, if it is time to.
+  void show(const std::string& text);
 
   /// Ends the line.
   void finish();
@@ -36,30 +34,20 @@ class Progress {
   bool open_ = false;
 };
 
-/// How fast an exploration is, and how long it will take. It cannot know: sets turn up while others are
-/// described, until they turn up no more.
-class Forecast {
+/// How fast a count has grown in the last quarter or half minute.
+class RecentRate {
  public:
-  /// The state after `seconds`. Calls that follow each other closely count as one.
-  void add(double seconds, std::uint64_t regions, std::uint64_t described, std::uint64_t open);
+  void add(double seconds, std::uint64_t count);
 
-  /// Recent rate. 0 at first.
-  double regionsPerSecond() const;
-
-  /// [s]; negative while nothing is known. Where `atLeast()`, what the sets take that are open now; else with
-  /// those that they will yield, up to twice as much.
-  double remaining() const;
-  /// Whether at least as many sets are found as are described.
-  bool atLeast() const;
+  /// 0 at first.
+  double perSecond() const;
 
  private:
   struct Sample {
-    double seconds, regions, described, open;
+    double seconds = 0.0, count = 0.0;
   };
-  double foundPerSet() const;
-
-  // Samples of the last half minute.
-  std::deque<Sample> samples_;
+  bool started_ = false;
+  Sample before_, after_, now_;
 };
 
 /// "12 s", "3 min 05 s", "2 h 10 min"

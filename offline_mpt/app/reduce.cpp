@@ -58,11 +58,10 @@ Result reduceWithProgress(const RegionMap& map, const ReduceArguments& options) 
   Progress progress(options.quiet);
   ReduceOptions reduce_options = options.reduce;
   reduce_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
-    progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws",
-                  -1.0);
+    progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws");
   };
   reduce_options.tree_progress = [&progress](std::uint64_t done, std::uint64_t) {
-    progress.show("search tree, " + std::to_string(done) + " nodes", -1.0);
+    progress.show("search tree, " + std::to_string(done) + " nodes");
   };
   if (options.no_proof) {
     const ReduceResult result = reduce(map, reduce_options);

@@ -71,15 +71,16 @@ Partition exploreWithProgress(const ParametricProgram& program, const SolveArgum
   explore_options.checkpoint = checkpointOf(options);
   explore_options.group = group;
   Progress progress(options.quiet);
-  Forecast forecast;
+  RecentRate recent;
   explore_options.progress = [&](const ExploreProgress& state) {
-    forecast.add(progress.elapsed(), state.regions, state.described, state.open);
+    recent.add(progress.elapsed(), state.regions);
     std::string text = std::to_string(state.regions) + " regions, " + std::to_string(state.open) + " open";
-    if (const double rate = forecast.regionsPerSecond(); rate > 0.0) {
+    if (const double rate = recent.perSecond(); rate > 0.0) {
       text += ", " + std::to_string(std::llround(rate)) + " regions/s";
     }
+    if (openSetsGrow(state.regions, state.open)) text += ", open sets grow faster than regions";
     if (state.unsaved) text += ", CHECKPOINT NOT WRITTEN";
-    progress.show(text, forecast.remaining(), forecast.atLeast());
+    progress.show(text);
   };
   Partition partition = explore(program, explore_options);
   if (partition.status == ExploreStatus::kInterrupted && timeIsUp())
@@ -144,13 +145,13 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
   Progress progress(options.quiet);
   TreeOptions tree;
   tree.threads = options.explore.threads;
-  tree.mode = options.tree_mode;
+  // Of a part the regions count, and they have a second.
+  tree.mode = isStopped(partition) ? TreeMode::kFast : options.tree_mode;
   tree.node_limit = options.tree_nodes;
   tree.group = group;
   tree.progress = [&](std::uint64_t done, std::uint64_t total) {
-    const auto share = static_cast<double>(done) / static_cast<double>(total);
-    progress.show("search tree of " + std::to_string(partition.regions.size()) + " regions",
-                  progress.elapsed() * (1.0 - share) / share);
+    progress.show("search tree of " + std::to_string(partition.regions.size()) + " regions, " +
+                  std::to_string(100 * done / std::max<std::uint64_t>(total, 1)) + " %");
   };
   MapContent content = encode(program, partition, tree);
   progress.finish();
@@ -179,7 +180,10 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
 JobInput readInput(const SolveArguments& options) {
   JobInput input;
   input.own = ownSolverOf(options.problem);
-  if (input.own == nullptr) input.program = loadCompleteProgram(options.problem);
+  if (input.own == nullptr) {
+    endOnSignal(options.problem + ": interrupted: nothing was written", options.time_limit);
+    input.program = loadCompleteProgram(options.problem);
+  }
   input.summary = "problem of " + input.kind() + ", " +
                   checksumOf(input.own == nullptr ? input.program.text : readText(options.problem));
   return input;

@@ -10,6 +10,12 @@
 namespace polyfly {
 namespace {
 
+// More open sets than this for each region: most of them will not be regions.
+constexpr std::uint64_t kManyOpenSets = 100;
+
+// A longer look-up is not for flight: about half a millisecond on a small computer.
+constexpr std::uint64_t kLongLookup = 200'000;  // multiply-adds
+
 nlohmann::ordered_json phasesJson(const PhaseSeconds& seconds) {
   return {{"load", seconds.load},
           {"explore", seconds.explore},
@@ -39,6 +45,8 @@ std::string checkpointOf(const SolveArguments& options) { return options.map + "
 bool isStopped(const Partition& partition) {
   return partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
 }
+
+bool openSetsGrow(std::uint64_t regions, std::uint64_t open) { return open > kManyOpenSets * (regions + 1); }
 
 std::string solveStats(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
                        const PhaseClock& clock, int threads, int processes) {
@@ -84,6 +92,14 @@ void reportStop(const SolveArguments& options, const Partition& partition) {
   std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
                checkpointOf(options).c_str(), partition.regions.size(),
                static_cast<unsigned long long>(partition.stats.open_sets));
+  if (openSetsGrow(partition.regions.size(), partition.stats.open_sets)) {
+    std::fprintf(
+        stderr,
+        "offline_mpt: %s: open sets grow faster than regions, because many bounds are active in many "
+        "combinations within small distances; fewer moves (moves: [1, 1, 2, 4, ...]), a longer "
+        "sampling_time or a smaller box leave fewer\n",
+        options.problem.c_str());
+  }
 }
 
 void reportUnbounded(const SolveArguments& options, const Partition& partition) {
@@ -126,6 +142,13 @@ void reportEnd(const SolveArguments& options, const Partition& partition, const 
                    partition.status == ExploreStatus::kLimited ? "limit reached" : "interrupted",
                    partition.regions.size(), toString(partition.status));
       break;
+  }
+  if (map.cost().multiply_adds > kLongLookup) {
+    std::fprintf(
+        stderr,
+        "offline_mpt: %s: the longest look-up takes %llu multiply-adds: not for flight; --tree auto or small "
+        "shortens it\n",
+        options.map.c_str(), static_cast<unsigned long long>(map.cost().multiply_adds));
   }
   if (options.quiet) return;
   reportNearRows(options, partition);

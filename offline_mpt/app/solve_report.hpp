@@ -65,6 +65,9 @@ std::string checkpointOf(const SolveArguments& options);
 
 bool isStopped(const Partition& partition);
 
+/// Whether the open sets are so many that the exploration may not end.
+bool openSetsGrow(std::uint64_t regions, std::uint64_t open);
+
 /// The text of --stats.
 std::string solveStats(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
                        const PhaseClock& clock, int threads, int processes);

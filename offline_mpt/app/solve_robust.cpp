@@ -32,8 +32,7 @@ FeasibleSet projectWithProgress(const RobustProgram& program, const SolveTask& t
   project.threads = task.threads;
   project.progress = [&](std::uint64_t facets, std::uint64_t vertices, std::uint64_t open) {
     progress.show("feasible set: " + std::to_string(facets) + " facets, " + std::to_string(vertices) +
-                      " vertices, " + std::to_string(open) + " to cut off",
-                  -1.0);
+                  " vertices, " + std::to_string(open) + " to cut off");
   };
   return projectFeasibleSet(program, project);
 }

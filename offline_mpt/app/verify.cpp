@@ -77,10 +77,7 @@ ExitCode verifyMap(const VerifyArguments& options) {
   {
     Progress progress(options.quiet);
     verify_options.progress = [&](std::uint64_t done, std::uint64_t total) {
-      const double remaining =
-          done > 0 ? progress.elapsed() * static_cast<double>(total - done) / static_cast<double>(done)
-                   : -1.0;
-      progress.show(std::to_string(done) + " of " + std::to_string(total) + " samples", remaining);
+      progress.show(std::to_string(done) + " of " + std::to_string(total) + " samples");
     };
     report = verify(map, program, verify_options);
   }

@@ -23,28 +23,23 @@
 namespace polyfly {
 namespace {
 
-/// Progress on the terminal; ends the work at a signal or after the time limit.
+/// Progress on the terminal; ends the work at a signal, which the time limit is too.
 class Watch {
  public:
-  explicit Watch(const VerifyExactOptions& options) : limit_(options.time_limit), progress_(options.quiet) {}
+  explicit Watch(const VerifyExactOptions& options) : progress_(options.quiet) {}
 
   const std::atomic<bool>& stop() const { return stop_; }
 
   void look(std::uint64_t done, std::uint64_t total) {
-    if (stopOnSignal() || (limit_ > 0.0 && progress_.elapsed() > limit_)) stop_ = true;
+    if (stopRequested()) stop_ = true;
     const std::uint64_t regions = std::max<std::uint64_t>(1, total / 3);
     const std::uint64_t part = std::min<std::uint64_t>(2, done / regions);
     static constexpr const char* kParts[] = {"conditions of ", "facets of ", "look-ups of "};
-    // Later parts may take longer than the first: no forecast before them.
-    const double remaining =
-        part > 0 ? progress_.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
-    progress_.show(
-        kParts[part] + std::to_string(done - part * regions) + " of " + std::to_string(regions) + " regions",
-        remaining, true);
+    progress_.show(kParts[part] + std::to_string(done - part * regions) + " of " + std::to_string(regions) +
+                   " regions");
   }
 
  private:
-  const double limit_;
   Progress progress_;
   std::atomic<bool> stop_{false};
 };
@@ -103,6 +98,12 @@ bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& p
   return true;
 }
 
+/// For work of which nothing can be kept: from now on a signal ends it, and so does one that came before.
+void endOnSignalWith(const std::string& message) {
+  if (stopRequested()) endNow(message);
+  endOnSignal(message);
+}
+
 ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
@@ -110,6 +111,7 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) {
     session.leave();
+    endOnSignalWith(options.map + ": interrupted: nothing is proven");
     VerifyTask task;
     task.problem = options.problem;
     task.json = options.json;
@@ -134,7 +136,12 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   } else if (report.passed() && !options.output.empty() && !options.quiet) {
     std::printf("repair: nothing to do, %s was not written\n", options.output.c_str());
   }
-  const SafetyVerdict safety = verifySafety(program, examined);
+  SafetyVerdict safety;
+  if (!report.interrupted) {
+    endOnSignalWith(options.map + ": interrupted: nothing is proven");
+    safety = verifySafety(program, examined);
+    report.further_holds = safety.holds;
+  }
   if (!options.json.empty()) writeText(options.json, safety.addTo(certifyJson(report)));
   if (!options.quiet) std::fputs((certifyText(report) + safety.text).c_str(), stdout);
   if (report.interrupted) {
@@ -142,7 +149,7 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
                  options.map.c_str());
     return ExitCode::kStopped;
   }
-  if (!report.passed() || !safety.holds) return ExitCode::kFailed;
+  if (!report.passed()) return ExitCode::kFailed;
   if (!options.certificate.empty()) writeCertificate(report, options.certificate);
   return ExitCode::kDone;
 }
@@ -162,6 +169,7 @@ void assist(VerifyExactOptions options, MpiSession& session) {
 
 ExitCode verifyExact(const VerifyExactOptions& options) {
   MpiSession session;
+  stopOnSignal(NextSignal::kEnds, options.time_limit);
   if (!session.leads()) return session.assist([&] { assist(options, session); });
   try {
     return prove(options, session);

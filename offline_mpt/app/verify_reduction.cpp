@@ -8,9 +8,7 @@
 namespace polyfly {
 
 void showProof(Progress& progress, std::uint64_t done, std::uint64_t total) {
-  const double remaining =
-      done > 0 ? progress.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
-  progress.show("proof: " + std::to_string(done) + " of " + std::to_string(total) + " regions", remaining);
+  progress.show("proof: " + std::to_string(done) + " of " + std::to_string(total) + " regions");
 }
 
 ExitCode verifyReducedMap(const VerifyReductionOptions& options) {

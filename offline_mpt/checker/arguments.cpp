@@ -1,6 +1,10 @@
 #include "arguments.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <new>
 
@@ -11,7 +15,10 @@ namespace {
 
 constexpr int kRefused = 1;
 constexpr int kBadUsage = 2;
-constexpr std::size_t kMostShown = 40;  // characters of a value that a message repeats
+constexpr int kStopped = 3;
+constexpr const char* kTimeLimit = "--time-limit";
+constexpr unsigned long long kLongestLimit = 100'000'000;  // [s], three years
+constexpr std::size_t kMostShown = 40;                     // characters of a value that a message repeats
 
 std::string shown(std::string text) {
   const bool cut = text.size() > kMostShown;
@@ -32,7 +39,8 @@ std::string read(const Tool& tool, int argc, char** argv, Arguments& arguments) 
     const std::string word = argv[k];
     if (word == "--help") return tool.usage;
     if (word == "--version") return tool.name + " " + tool.version + "\n";
-    const bool option = std::find(tool.options.begin(), tool.options.end(), word) != tool.options.end();
+    const bool option =
+        word == kTimeLimit || std::find(tool.options.begin(), tool.options.end(), word) != tool.options.end();
     if (!option && !word.empty() && word[0] == '-') throw BadUsage(shown(word) + " is no option");
     if (!option && arguments.count("") != 0) throw BadUsage(shown(word) + ": one file is checked at a time");
     if (option && (++k == argc || *argv[k] == '\0')) throw BadUsage(word + ": its value is missing");
@@ -48,7 +56,32 @@ std::string read(const Tool& tool, int argc, char** argv, Arguments& arguments) 
   return "";
 }
 
+// What is written at the end of the time limit; set before the alarm.
+std::string time_is_up;
+
+extern "C" void endInTime(int) {
+  // Nothing can be done about a failed write.
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, time_is_up.data(), time_is_up.size());
+  ::_exit(kStopped);
+}
+
+void limitTime(const Tool& tool, const Arguments& arguments) {
+  const auto limit = arguments.find(kTimeLimit);
+  if (limit == arguments.end()) return;
+  time_is_up = tool.name + ": stopped at the time limit, nothing is confirmed\n";
+  std::signal(SIGALRM, endInTime);
+  ::alarm(static_cast<unsigned>(wholeNumber(kTimeLimit, limit->second, 1, kLongestLimit)));
+}
+
 }  // namespace
+
+void showProgress(const char* kind, std::size_t done, std::size_t total) {
+  using Clock = std::chrono::steady_clock;
+  static Clock::time_point next = Clock::now() + std::chrono::seconds(1);
+  if (::isatty(STDERR_FILENO) == 0 || Clock::now() < next) return;
+  next = Clock::now() + std::chrono::seconds(1);
+  std::fprintf(stderr, "%s %zu of %zu\n", kind, done, total);
+}
 
 unsigned long long wholeNumber(const std::string& option, const std::string& text, unsigned long long least,
                                unsigned long long greatest) {
@@ -68,6 +101,7 @@ int run(const Tool& tool, int argc, char** argv, const std::function<void(const 
   Arguments arguments;
   try {
     const std::string answer = read(tool, argc, argv, arguments);
+    limitTime(tool, arguments);
     if (answer.empty()) check(arguments);
     std::fputs(answer.c_str(), stdout);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)

@@ -32,7 +32,10 @@ struct Tool {
 unsigned long long wholeNumber(const std::string& option, const std::string& text, unsigned long long least,
                                unsigned long long greatest);
 
-/// Reads the command line and checks. Returns 0: confirmed, 1: refused, 2: bad command line, a file that
+/// Tells on a terminal, once a second, how far a check is.
+void showProgress(const char* kind, std::size_t done, std::size_t total);
+
+/// Reads the command line and checks. Every tool takes --time-limit, after which it ends with 3. Returns 0: confirmed, 1: refused, 2: bad command line, a file that
 /// cannot be read, or memory that is not enough. All but the first say so in one line, without what a
 /// terminal would act on.
 int run(const Tool& tool, int argc, char** argv, const std::function<void(const Arguments&)>& check);

@@ -1,9 +1,6 @@
 // check_certificate CERTIFICATE --map MAP [--problem FILE]: confirms a certificate by substitution, as
 // offline_mpt/CERTIFICATE.md states it. With --export, it proves the bounds of exported C code again. GMP only; shares
 // no code with the solver or with what wrote certificate and code.
-#include <unistd.h>
-
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -20,7 +17,7 @@
 namespace {
 
 constexpr char kUsage[] =
-    R"(usage: check_certificate CERTIFICATE --map MAP [--problem FILE]
+    R"(usage: check_certificate CERTIFICATE --map MAP [--problem FILE] [--time-limit SECONDS]
        check_certificate CERTIFICATE --map REDUCED --reduced-from ORIGINAL
        check_certificate --export DIR --map MAP
 Confirms in rational arithmetic that MAP is the complete solution of its problem. The certificate is from
@@ -29,20 +26,11 @@ With --reduced-from, it confirms that REDUCED answers as ORIGINAL does. The cert
 'offline_mpt verify --reduced-from'. ORIGINAL has a certificate of its own.
 With --export, it confirms the bounds that the only .json file of DIR states of the tables in the .c file of the
 same name, from 'offline_mpt export'. MAP has a certificate of its own.
-Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
+Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out; 3 stopped at the time limit.
 )";
 
 constexpr char kCompared[] = "the program's numbers are those of the problem that the map carries\n";
 constexpr char kNotCompared[] = "not confirmed here: that this program is the problem that the map carries\n";
-
-/// Tells on a terminal, once a second, how far the check is.
-void showProgress(const char* kind, std::size_t done, std::size_t total) {
-  using Clock = std::chrono::steady_clock;
-  static Clock::time_point next = Clock::now() + std::chrono::seconds(1);
-  if (isatty(STDERR_FILENO) == 0 || Clock::now() < next) return;
-  next = Clock::now() + std::chrono::seconds(1);
-  std::fprintf(stderr, "%s %zu of %zu\n", kind, done, total);
-}
 
 std::string valueOf(const checker::Arguments& arguments, const std::string& option) {
   const auto found = arguments.find(option);
@@ -96,7 +84,7 @@ void confirm(const checker::Arguments& arguments) {
     if (!problem.empty())
       checker::withFile(problem,
                         [&](const std::string& text) { checker::compareProblem(*proof, map, text); });
-    proof->progress = showProgress;
+    proof->progress = checker::showProgress;
     proof->check();
     conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);
   } else {

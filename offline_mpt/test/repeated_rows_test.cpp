@@ -6,7 +6,6 @@
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
 #include "offline_mpt/certify.hpp"
-#include "offline_mpt/count.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
@@ -275,8 +274,6 @@ TEST(RepeatedEqualities, ThatContradictEachOtherAreRefusedByRow) {
     appendRow(program, program.A.row(0), program.b(0) + distance, program.S.row(0));
     program.equalities = {0, program.rowCount() - 1};
     EXPECT_NE(messageOf(program).find("its right-hand side does not"), std::string::npos) << distance;
-    CountOptions options;
-    EXPECT_THROW(countRegions(program, options), Error) << distance;
   }
 }
 

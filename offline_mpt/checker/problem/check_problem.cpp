@@ -16,15 +16,15 @@
 namespace {
 
 constexpr char kUsage[] =
-    R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE]
+    R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE] [--time-limit SECONDS]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
 discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
 check_certificate confirms. Of a YAML file of type robust_mpc, the model and all rows of the certificate are those of
 the file, and its invariant set is one. Of type safety_filter, the safe set is one, and answers in it keep the state
 there. Of a program in JSON, each number is compared. Names, units and ranges of the map's parameters and inputs, and
 its period, are those of the problem too.
-With --problem, MAP must carry the text of that file.
-Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
+With --problem, MAP must carry the text of that file; of a safety filter, that text and the safe set behind it.
+Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out; 3 stopped at the time limit.
 )";
 
 const mpq_class kTolerance(mpz_class(1), mpz_class(1000000000000));
@@ -57,8 +57,8 @@ void confirmFilter(const checker::Certificate& certificate, const checker::Map& 
   checker::require(certificate.equalities().empty(), "a safety filter has no equalities");
   const checker::FilterProblem problem = checker::readFilterProblem(map.problem);
   checker::matchFilter(certificate.program(), problem);
-  checker::confirmSafeSet(problem);
-  checker::confirmAnswers(problem, map);
+  checker::confirmSafeSet(problem, checker::showProgress);
+  checker::confirmAnswers(problem, map, checker::showProgress);
   std::printf(
       "confirmed: each number of the program is that of the problem and its safe set\n"
       "safe set, %zu rows: it is within the ranges, each of its states has an admissible input, and each "
@@ -76,7 +76,8 @@ void confirm(const checker::Arguments& arguments) {
       checker::withFile(map_file->second, [](const std::string& bytes) { return checker::Map(bytes); });
   if (problem_file != arguments.end()) {
     checker::withFile(problem_file->second, [&](const std::string& text) {
-      checker::require(text == map.problem, "the problem file is not the one that the map was made from");
+      checker::require(text == map.problem || checker::isCompletedText(map.problem, text),
+                       "the problem file is not the one that the map was made from");
     });
   }
   checker::require(map.reduced_from == 0,

@@ -23,9 +23,12 @@ class Answers {
     require(map.p == p_ && map.q == nu_, "the map has another number of signals");
   }
 
-  void confirm() const {
+  void confirm(const Progress& progress) const {
     requireWishes();
-    for (std::size_t r = 0; r < map_.regions.size(); ++r) requireKept(r);
+    for (std::size_t r = 0; r < map_.regions.size(); ++r) {
+      if (progress) progress("answers of region", r, map_.regions.size());
+      requireKept(r);
+    }
   }
 
  private:
@@ -117,6 +120,8 @@ class Answers {
 
 }  // namespace
 
-void confirmAnswers(const FilterProblem& problem, const Map& map) { Answers(problem, map).confirm(); }
+void confirmAnswers(const FilterProblem& problem, const Map& map, const Progress& progress) {
+  Answers(problem, map).confirm(progress);
+}
 
 }  // namespace checker

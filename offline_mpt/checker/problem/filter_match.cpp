@@ -1,5 +1,6 @@
 #include "problem/filter_match.hpp"
 
+#include "problem/fields.hpp"
 #include "problem/optimal_control.hpp"
 #include "problem/program_match.hpp"
 
@@ -48,6 +49,18 @@ class FilterProgram {
 };
 
 }  // namespace
+
+bool isCompletedText(const std::string& whole, const std::string& file) {
+  if (whole.compare(0, file.size(), file) != 0) return false;
+  const std::string rest = whole.substr(file.size());
+  if ((file.empty() || file.back() != '\n') && (rest.empty() || rest.front() != '\n')) return false;
+  try {
+    const YAML::Node added = YAML::Load(rest);
+    return added.IsMap() && added.size() == 1 && added["safe_set"];
+  } catch (const YAML::Exception&) {
+    return false;
+  }
+}
 
 void matchFilter(const Matrices& program, const FilterProblem& problem) {
   std::vector<std::pair<double, double>> ranges = problem.states;

@@ -22,11 +22,11 @@ class SafeSet {
         nu_(problem.inputCount()),
         set_(rowsOf(problem.H, problem.k)) {}
 
-  void confirm() const {
+  void confirm(const Progress& progress) const {
     require(set_.hasPoint(), "the safe set is empty");
     for (std::size_t i = 0; i < problem_.H.rows; ++i) requireKept(i);
     requireWithinRanges();
-    requireAnInput();
+    requireAnInput(progress);
   }
 
  private:
@@ -72,7 +72,7 @@ class SafeSet {
   }
 
   /// Of (xi, u), the inputs are eliminated one by one. What is left of the rows must hold in the set.
-  void requireAnInput() const {
+  void requireAnInput(const Progress& progress) const {
     std::vector<ExactHalfSpace> rows = set_.rows();
     for (ExactHalfSpace& row : rows) row.a.resize(n_ + nu_);
     for (std::size_t i = 0; i < problem_.G.rows; ++i) {
@@ -92,7 +92,9 @@ class SafeSet {
       if (j > 0) rows = withoutImplied(std::move(rows));
       rows = withoutEntry(rows, n_ + j);
     }
-    for (ExactHalfSpace& row : rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (progress) progress("inputs of the safe set, row", i, rows.size());
+      ExactHalfSpace& row = rows[i];
       row.a.resize(n_);
       require(set_.isWithin(row), "a state of the safe set has no admissible input");
     }
@@ -106,6 +108,8 @@ class SafeSet {
 
 }  // namespace
 
-void confirmSafeSet(const FilterProblem& problem) { SafeSet(problem).confirm(); }
+void confirmSafeSet(const FilterProblem& problem, const Progress& progress) {
+  SafeSet(problem).confirm(progress);
+}
 
 }  // namespace checker

@@ -125,9 +125,11 @@ struct CertifyReport {
   /// Defects by region, then row.
   std::vector<Defect> defects;
   bool interrupted = false;
+  /// What else the map must keep, such as a safe set, is proven.
+  bool further_holds = true;
   std::string certificate;
 
-  bool passed() const { return defects.empty() && !interrupted && regions > 0; }
+  bool passed() const { return defects.empty() && !interrupted && regions > 0 && further_holds; }
 };
 
 /// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md for the

@@ -6,7 +6,11 @@
 
 #include "../../test/run_program.hpp"
 #include "made_filters.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
 #include "project_root.hpp"
+#include "region_maps/write_map.hpp"
+#include "safety_filter/safe_set.hpp"
 
 namespace polyfly {
 namespace {
@@ -65,6 +69,57 @@ TEST_F(FilterCommand, EveryCommandTakesItsMap) {
   EXPECT_EQ(run({"reduce", path("made.map"), "-o", path("small.map")}).exit_code, 0);
   EXPECT_EQ(run({"explore", path("made.map"), "-o", path("made.html")}).exit_code, 0);
   EXPECT_EQ(readBytes(path("made.html")).find("problem text cannot be used"), std::string::npos);
+}
+
+// The law without active rows is the wish bit for bit, whatever the weight divides to.
+TEST_F(FilterCommand, AnyWeightPassesWishes) {
+  for (const char* weight : {"3", "0.7", "1e-6", "1e9"}) {
+    std::string text = MadeFilter().text();
+    const std::string from = "unit: m/s^2";
+    text.replace(text.find(from), from.size(), from + ", weight: " + weight);
+    const std::string second = "  A: [[0, 1], [0, 0]]\n  B: [[0], [1]]\n";
+    const std::size_t place = text.find(second);
+    ASSERT_NE(place, std::string::npos);
+    text.replace(
+        place, second.size(),
+        "    - {name: s, unit: m/s, range: [-0.2, 0.1]}\n  A: [[0, 1], [0, 0]]\n  B: [[0, 1], [1, 0.2]]\n");
+    ASSERT_EQ(run({"solve", write("two.yaml", text), "-o", path("two.map"), "--quiet", "--force"}).exit_code,
+              0);
+    const Outcome proven = run({"verify", path("two.map"), "--exact", "--certificate", path("two.cert")});
+    EXPECT_EQ(proven.exit_code, 0) << weight << "\n" << proven.out << proven.err;
+    EXPECT_NE(proven.out.find("an admissible wish comes back unchanged"), std::string::npos) << proven.out;
+    const Outcome checked =
+        start({CHECK_PROBLEM, path("two.cert"), "--map", path("two.map"), "--problem", path("two.yaml")});
+    EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  }
+}
+
+TEST_F(FilterCommand, TheHeadlineCountsTheSafeSet) {
+  // The map of a margin that leaves no slack for rounding: optimal, but its answers are not proven.
+  const SafetyFilterProblem problem = parseSafetyFilter(MadeFilter().text(), "made.yaml");
+  const SafetyFilterProblem completed =
+      parseSafetyFilter(withSafeSet(problem, computeSafeSet(problem)), "made.yaml");
+  std::string text = completed.text;
+  const std::string margin = "margin: 1e-08";
+  ASSERT_NE(text.find(margin), std::string::npos);
+  text.replace(text.find(margin), margin.size(), "margin: 1e-09");
+  const ParametricProgram program = filterProgram(parseSafetyFilter(text, "made.yaml"));
+  writeMap(encode(program, explore(program)), path("tight.map"));
+  const Outcome proven = run({"verify", path("tight.map"), "--exact"});
+  EXPECT_EQ(proven.exit_code, 1);
+  EXPECT_NE(proven.out.find("exact verification: NOT PROVEN"), std::string::npos) << proven.out;
+  EXPECT_EQ(proven.out.find("exact verification: PROVEN"), std::string::npos) << proven.out;
+}
+
+TEST_F(FilterCommand, LimitsAndSignalsEndEveryPhase) {
+  const std::string problem = write("made.yaml", MadeFilter().text());
+  const Outcome unsolved = run({"solve", problem, "-o", path("made.map"), "--time-limit", "0.001"});
+  EXPECT_EQ(unsolved.exit_code, 3) << unsolved.err;
+  EXPECT_FALSE(std::filesystem::exists(path("made.map")));
+  ASSERT_EQ(run({"solve", problem, "-o", path("made.map"), "--quiet"}).exit_code, 0);
+  const Outcome unproven = run({"verify", path("made.map"), "--exact", "--time-limit", "0.001"});
+  EXPECT_EQ(unproven.exit_code, 3) << unproven.out << unproven.err;
+  EXPECT_NE(unproven.err.find("interrupted"), std::string::npos) << unproven.err;
 }
 
 TEST_F(FilterCommand, BadProblemsAreTold) {

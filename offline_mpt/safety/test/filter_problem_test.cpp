@@ -81,6 +81,18 @@ TEST(FilterProblemChecker, ConfirmsWhatSolveMakes) {
   }
 }
 
+TEST(FilterProblemChecker, KnowsTheFileBehindACompletedText) {
+  const std::string file = MadeFilter().text();
+  const std::string whole = withItsSet(file).text;
+  EXPECT_TRUE(checker::isCompletedText(whole, file));
+  EXPECT_TRUE(checker::isCompletedText(whole, file.substr(0, file.size() - 1)));
+  EXPECT_FALSE(checker::isCompletedText(file, file));
+  EXPECT_FALSE(checker::isCompletedText(whole + "margin: 1\n", file));
+  std::string other = file;
+  other[other.find("made")] = 'f';
+  EXPECT_FALSE(checker::isCompletedText(whole, other));
+}
+
 TEST(FilterProblemChecker, RefusesEachChangedNumberOfTheProgram) {
   const SafetyFilterProblem problem = withItsSet(uncertainFilter(0.02).text());
   const checker::Matrices right = matricesOf(filterProgram(problem));

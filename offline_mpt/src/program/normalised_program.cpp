@@ -193,7 +193,14 @@ NormalisedProgram normalise(const ParametricProgram& program) {
   const auto lower = root.triangularView<Eigen::Lower>();
   // unconstrained minimiser; where H is singular its part of order one
   Eigen::MatrixXd y_free = Eigen::MatrixXd::Zero(ld.n, ld.p + 1);
-  if (!ld.linear && !ld.semidefinite) y_free = -lower.transpose().solve(lower.solve(ld.F));
+  if (!ld.linear && !ld.semidefinite) {
+    const auto solve = [&](const Eigen::MatrixXd& rhs) -> Eigen::MatrixXd {
+      return lower.transpose().solve(lower.solve(rhs));
+    };
+    y_free = -solve(ld.F);
+    // One step of refinement. With a diagonal H it gives the nearest doubles: a safety filter passes wishes bit for bit.
+    y_free -= solve(ld.H * y_free + ld.F);
+  }
 
   const Eigen::MatrixXd A_all = program.A * free.Z;
   const Eigen::MatrixXd S_all = affineInScaled(program.S, program.b, ld) - program.A * free.z_p;

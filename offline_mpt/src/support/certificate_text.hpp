@@ -10,7 +10,7 @@
 
 namespace polyfly {
 
-/// Lines that proofs begin with (CERTIFICATE.md, COUNT.md). Numbers are exact.
+/// Lines that proofs begin with (CERTIFICATE.md). Numbers are exact.
 std::string hex(std::uint64_t value);  ///< 16 digits
 std::string hex(double value);         ///< short
 void appendMatrix(const char* name, const Eigen::MatrixXd& matrix, std::string& text);
