@@ -8,6 +8,9 @@
 namespace polyfly {
 namespace {
 
+// Moves that the greatest roll rate does not bound. With 0 or 1 of them the path is lost in gusts; 2 to 6 make no difference.
+constexpr int kFreeMoves = 3;
+
 using Index = LateralIndex;
 
 constexpr int kStates = 5;
@@ -132,11 +135,23 @@ void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noex
   cost_ += terms.cost + weights_.roll * roll * roll;
 }
 
+// The roll loop settles at the rate (b0 phi_r - a0 phi) / a1. So the greatest rate is a bound of phi_r about the roll,
+// which is taken from the last iteration: all of them stay boxes. The first moves are free: they answer to the measured roll,
+// which is not the predicted one in gusts.
+Interval LateralNmpc::moveBound(int k) const noexcept {
+  const double limit = limits_.roll_reference;
+  if (!(model_.roll_rate_max > 0.0) || k < kFreeMoves) return {-limit, limit};
+  const double holding = std::clamp(model_.a0 / model_.b0 * nodes_[k][Index::kRoll], -limit, limit);
+  const double room = model_.a1 / model_.b0 * model_.roll_rate_max;
+  return {std::max(-limit, holding - room), std::min(limit, holding + room)};
+}
+
 void LateralNmpc::setBounds() noexcept {
   Interval* moves = qp_.moveBounds();
   Interval* rolls = qp_.rollBounds();
   for (int k = 0; k < N_; ++k) {
-    moves[k] = {-limits_.roll_reference - moves_[k], limits_.roll_reference - moves_[k]};
+    const Interval bound = moveBound(k);
+    moves[k] = {bound.lower - moves_[k], bound.upper - moves_[k]};
     const double roll = nodes_[k + 1][Index::kRoll];
     rolls[k] = {-limits_.roll - roll, limits_.roll - roll};
   }

@@ -101,6 +101,7 @@ class LateralNmpc {
  private:
   void linearise(const HorizonData& data) noexcept;
   void addRoll(int k, const StageTerms& terms, double roll_bias) noexcept;
+  Interval moveBound(int k) const noexcept;
   void setBounds() noexcept;
   double stationarity() noexcept;
   void takeStep() noexcept;

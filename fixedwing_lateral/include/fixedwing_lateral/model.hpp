@@ -48,8 +48,8 @@ struct LateralModel {
   /// Gain of the roll loop [1/s^2], > 0.
   double b0 = 13.48;
   double gravity = 9.81;  ///< g [m/s^2], > 0
-  /// Greatest roll rate that the autopilot flies. Turns are planned by it; the horizon does not know it, because in
-  /// turbulence a bound about the predicted roll keeps references from it. 0: unknown [rad/s].
+  /// Greatest roll rate that the autopilot flies. After its first moves the horizon keeps roll references near enough to the
+  /// predicted roll for it, and turns are planned by it. 0: unknown [rad/s].
   double roll_rate_max = 0.0;
   double switch_rate = 1.0;  ///< alpha [1/s], > 0
   /// Threshold of x_sw; above it the switch has happened for good [-], > 0.
