@@ -88,7 +88,7 @@ CommandFilterNode::CommandFilterNode(const ros::NodeHandle& handle,
   for (const char* axis : {"x", "y", "z"}) {
     const std::string path =
         reader.text(std::string("maps/") + axis, "the path of a map of a safety filter", "");
-    if (!path.empty()) maps.push_back(polyfly::RegionMap::open(path));
+    if (!path.empty()) maps.push_back(polyfly::RegionMap::open(path, polyfly::kGreatestFlownMap));
   }
   polyfly::MultirotorOptions options;
   polyfly::visitOptions(options, reader);
@@ -129,7 +129,8 @@ bool CommandFilterNode::hasState() const {
 void CommandFilterNode::onWish(const mav_msgs::RollPitchYawrateThrust& message) {
   const ros::Time stamp = message.header.stamp;
   const double since = (stamp - answered_stamp_).toSec();
-  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() && !stamp.isZero()) {
+  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() &&
+      !stamp.isZero()) {
     ++status_.early;
     return;
   }

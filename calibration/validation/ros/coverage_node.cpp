@@ -70,8 +70,8 @@ CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle&
   ParameterReader reader(private_handle);
   for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
     const std::string key = std::string("maps/") + polyfly::kAxisNames[axis].axis;
-    maps_[axis] = std::make_unique<polyfly::RegionMap>(
-        polyfly::RegionMap::open(reader.requiredText(key, "the path of a region map")));
+    maps_[axis] = std::make_unique<polyfly::RegionMap>(polyfly::RegionMap::open(
+        reader.requiredText(key, "the path of a region map"), polyfly::kGreatestFlownMap));
     if (polyfly::axisOf(*maps_[axis]) != axis) {
       throw polyfly::Error("parameter " + private_handle.resolveName(key) + ": " + maps_[axis]->path() +
                            " serves another axis");

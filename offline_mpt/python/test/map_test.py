@@ -151,7 +151,7 @@ class Files(unittest.TestCase):
             np.testing.assert_array_equal(law.laws, opened.laws)
             copy = pathlib.Path(folder) / "copy.map"
             path.unlink()
-            opened.save(copy)  # from the mapping: the file is gone
+            opened.save(copy)  # from memory: the file is gone
             self.assertEqual(law.checksum, pf.open(copy).checksum)
 
     def test_damaged_file(self):
