@@ -257,7 +257,7 @@ TEST(RegionMap, KeepsItsAnswersWhereTheFileIsOverwrittenInPlace) {
   for (const std::size_t size : {before.size() / 2, std::size_t{0}}) {
     std::filesystem::resize_file(path, size);
     EXPECT_EQ(fly(), expected) << "cut off at " << size;
-    EXPECT_EQ(map.file(), before);
+    EXPECT_TRUE(map.file() == before);
   }
 }
 

@@ -66,7 +66,8 @@ DiagnosticStatus statusOf(const polyfly::MapUse& use, const polyfly::RegionMap& 
 
 }  // namespace
 
-CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) {
+CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+    : queue_(handle) {
   ParameterReader reader(private_handle);
   for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
     const std::string key = std::string("maps/") + polyfly::kAxisNames[axis].axis;
@@ -83,7 +84,7 @@ CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle&
   summary_ = reader.text("summary", "the path of a file", "");
   polyfly::checkOutputs({{summary_}}, {maps_[0]->path(), maps_[1]->path(), maps_[2]->path()});
   reader.refuseUnknown({"maps"});
-  ros::NodeHandle nh(handle);
+  ros::NodeHandle nh = onQueue(handle, queue_);
   publisher_ = nh.advertise<diagnostic_msgs::DiagnosticArray>("coverage", 10);
   subscriber_ = nh.subscribe("controller_status", kQueue, &CoverageNode::onStatus, this,
                              ros::TransportHints().tcpNoDelay());

@@ -113,8 +113,7 @@ TEST_F(InlineCallbackQueueTest, ACallbackThatCannotBeCalledNowIsLeft) {
 }
 
 TEST_F(InlineCallbackQueueTest, TheLockIsFreeAfterAnException) {
-  EXPECT_THROW(queue.addCallback(callback([] { throw std::runtime_error("no"); }), kOwner),
-               std::runtime_error);
+  queue.addCallback(callback([] { throw std::runtime_error("no"); }), kOwner);
   EXPECT_FALSE(queue.runsInline());
   EXPECT_TRUE(lock.try_lock());
 }

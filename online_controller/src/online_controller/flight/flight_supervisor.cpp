@@ -132,6 +132,8 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, 
   }
   restarted_ = verdict.restarted;
   if (restarted_) law_->forget(LawMemory::kObserver);
+  references_.shift(verdict.time_jump);
+  ramp_.shift(verdict.time_jump);
   last_ = state;
   fresh_ = true;
   if (!located_) checkEarlyReferences();
@@ -263,6 +265,7 @@ const ControlReport& FlightSupervisor::refuse(double stamp, ControlReason reason
 
 const ControlReport& FlightSupervisor::onSilence(double now) noexcept {
   fresh_ = false;
+  gate_.noteSilence();
   if (state_ == FlightState::kRemoteControl) {
     report_ = &manual(now);
   } else if (state_ == FlightState::kLanded ||
