@@ -12,6 +12,7 @@
 #include "online_controller_ros/conversions.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
+#include "polyfly_ros/stamps.hpp"
 
 namespace polyfly_ros {
 namespace {

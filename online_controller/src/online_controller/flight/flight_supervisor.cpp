@@ -53,6 +53,7 @@ FlightSituation FlightSupervisor::situation() const noexcept {
 const char* FlightSupervisor::handle(FlightEvent event) noexcept {
   const FlightTransition next = transition(state_, event, situation());
   if (next.refusal != nullptr) return next.refusal;
+  if (isRequest(event)) guided_hold_ = false;
   if (next.to != state_) {
     enter(next.to, event);
   } else if (event == FlightEvent::kHold || event == FlightEvent::kPose) {
@@ -68,7 +69,9 @@ void FlightSupervisor::enter(FlightState to, FlightEvent cause) noexcept {
     holding_here_ = false;
   } else if (cause != FlightEvent::kRecovered) {
     startTask(to, cause);
+    guided_hold_ = cause == FlightEvent::kGuided;
   }
+  streams_ = false;
   state_ = to;
   cause_ = cause;
   ++changes_;
@@ -102,6 +105,8 @@ void FlightSupervisor::startTask(FlightState task, FlightEvent cause) noexcept {
       references_.hold(held_.position, held_.yaw);
       break;
     case FlightState::kInactive:
+      references_.clear();
+      break;
     case FlightState::kTrajectory:
     case FlightState::kRemoteControl:
     case FlightState::kLanded:
@@ -137,10 +142,13 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, 
   last_ = state;
   fresh_ = true;
   if (!located_) checkEarlyReferences();
+  if (idle_command_ == IdleCommand::kHold) handle(FlightEvent::kGuided);
   switch (state_) {
     case FlightState::kInactive:
     case FlightState::kLanded:
-      report_ = &idle(state.stamp);
+      report_ = idle_command_ == IdleCommand::kFollow && state_ == FlightState::kInactive
+                    ? &followVehicle()
+                    : &idle(state.stamp);
       break;
     case FlightState::kRemoteControl:
       report_ = &manual(state.stamp);
@@ -268,8 +276,7 @@ const ControlReport& FlightSupervisor::onSilence(double now) noexcept {
   gate_.noteSilence();
   if (state_ == FlightState::kRemoteControl) {
     report_ = &manual(now);
-  } else if (state_ == FlightState::kLanded ||
-             (state_ == FlightState::kInactive && !options_.idle_publishes)) {
+  } else if (state_ == FlightState::kLanded || state_ == FlightState::kInactive) {
     report_ = &idle(now);
   } else {
     report_ = &law_->onSilence(now);
@@ -279,12 +286,28 @@ const ControlReport& FlightSupervisor::onSilence(double now) noexcept {
 }
 
 const ControlReport& FlightSupervisor::idle(double stamp) noexcept {
-  if (state_ == FlightState::kInactive && options_.idle_publishes) return law_->stepWithoutReference(stamp);
+  streams_ = state_ == FlightState::kInactive && idle_command_ == IdleCommand::kZeroThrust;
+  if (state_ == FlightState::kInactive && !streams_) return law_->stepWithoutReference(stamp);
   own_ = ControlReport{};
   own_.stamp = stamp;
-  own_.status = state_ == FlightState::kLanded ? ControlStatus::kMotorsOff : ControlStatus::kStopped;
+  own_.status = state_ == FlightState::kLanded ? ControlStatus::kMotorsOff : ControlStatus::kNoReference;
   own_.reason = ControlReason::kOnGround;
   return own_;
+}
+
+const ControlReport& FlightSupervisor::followVehicle() noexcept {
+  std::fill(preview_.begin(), preview_.end(), stop());
+  own_ = law_->step(last_, preview_.data());
+  own_.status = ControlStatus::kNoReference;
+  own_.reason = ControlReason::kNoReference;
+  streams_ = true;
+  return own_;
+}
+
+void FlightSupervisor::onAutopilot(const AutopilotReport& report) noexcept {
+  autopilot_.add(report);
+  idle_command_ = idleCommand(report, autopilot_, options_.offboard_stream);
+  if (guided_hold_ && idle_command_ != IdleCommand::kHold) handle(FlightEvent::kGuidedEnded);
 }
 
 const ControlReport& FlightSupervisor::manual(double stamp) noexcept {
