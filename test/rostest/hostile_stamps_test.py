@@ -115,11 +115,11 @@ class HostileStampsTest(MapsFixture):
 
         def answered(wanted):
             def ask():
+                self.assertIsNone(nodelets.process.poll(), "the manager has ended")
                 if not nodelets.connected():
                     now()
                     rospy.sleep(0.05)
                     return None
-                self.assertIsNone(nodelets.process.poll(), "the manager has ended")
                 stamp = now()
                 nodelets.east = AIRSPEED * (stamp - start).to_sec()
                 nodelets.send(self.AIRCRAFT + self.VEHICLE, stamp)

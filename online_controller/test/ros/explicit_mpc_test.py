@@ -14,6 +14,7 @@ import rostest
 from geometry_msgs.msg import Transform, Twist
 from mav_msgs.msg import RollPitchYawrateThrust
 from nav_msgs.msg import Odometry
+from mavros_msgs.msg import ExtendedState
 from online_controller.msg import AxisStatus, ControllerStatus
 from online_controller.srv import SelectLaw
 from rosgraph_msgs.msg import Clock
@@ -270,11 +271,12 @@ class ExplicitMpcTest(MapsFixture):
         self.assertNotEqual(subprocess.run(load, timeout=PATIENCE).returncode, 0)
         self.assertIsNone(manager.poll())
 
-    def test_command_message_is_that_of_mav_msgs(self):
+    def test_messages_are_those_of_mav_msgs_and_mavros(self):
         # ROS's rule for the checksum of a message, applied to the fields of the original definition.
         header, vector = Odometry().header, RollPitchYawrateThrust().thrust
         text = "%s header\nfloat64 roll\nfloat64 pitch\nfloat64 yaw_rate\n%s thrust" % (header._md5sum, vector._md5sum)
         self.assertEqual(RollPitchYawrateThrust._md5sum, hashlib.md5(text.encode()).hexdigest())
+        self.assertEqual(ExtendedState._md5sum, "ae780b1800fe17b917369d21b90058bd")  # as mavros 1 has it
 
 
 if __name__ == "__main__":
