@@ -124,6 +124,12 @@ TEST(Stamps, AfterASilenceAnyLaterOneIsAnswered) {
   stand.supervisor.onSilence(stand.state.stamp + 0.2);
   stand.state.stamp += 100.0;
   EXPECT_EQ(stand.step().status, ControlStatus::kOptimal);
+  // A node that is to wait for longer still sees the pause.
+  for (const double pause : {0.0, 0.3, 0.7}) stand.supervisor.onTime(stand.state.stamp + pause);
+  stand.state.stamp += 3.0;
+  EXPECT_EQ(stand.step().status, ControlStatus::kOptimal);
+  stand.supervisor.onTime(stand.state.stamp);
+  EXPECT_EQ(stand.stepAt(stand.state.stamp + 3.0).reason, ControlReason::kOutOfOrder);
 }
 
 }  // namespace

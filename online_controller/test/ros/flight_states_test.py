@@ -125,6 +125,7 @@ class FlightStatesTest(MapsFixture):
         command, status = vehicle.step()
         self.assertEqual(command.thrust.z, 0.0)
         self.assertEqual(status.status, ControllerStatus.MOTORS_OFF)
+        self.assertIsNotNone(self.names.wait(lambda m: m.data == "Landed"))
         self.assertEqual([m.data for m in self.names.messages],
                          ["Inactive", "TakeOff", "PositionHold", "Landing", "Landed"])
         controller.pose.publish(pose_at(0.0, 0.0, 1.0))

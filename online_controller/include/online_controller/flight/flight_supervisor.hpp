@@ -40,7 +40,8 @@ class FlightSupervisor {
   /// One control period of silence, which has been long enough, at time `now` [s].
   const ControlReport& onSilence(double now) noexcept;
 
-  /// The time [s], in every control period: a remote control that has gone silent is noticed here.
+  /// The time [s], in every control period: a remote control that has gone silent is noticed here, and a pause of the
+  /// odometry.
   void onTime(double now) noexcept;
 
   /// What the autopilot says, in every control period before onOdometry or onSilence. Without it nothing is known.
@@ -141,6 +142,10 @@ class FlightSupervisor {
   unsigned changes_ = 0;
 
   OdometryGate gate_;
+  // True when odometry came since the last onTime.
+  bool heard_ = false;
+  // Time of the first onTime after the last odometry [s].
+  double heard_time_ = 0.0;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
   // Last accepted odometry.

@@ -11,6 +11,8 @@ namespace polyfly {
 namespace {
 
 constexpr double kHoverSpeed = 0.3;  // [m/s]
+// Time without odometry after which its next stamp may lie any time later [s].
+constexpr double kLongPause = 0.5;
 // Greatest number of references that a law made from other options may read.
 constexpr int kMostReferences = 128;
 
@@ -125,8 +127,8 @@ Reference FlightSupervisor::stop() const noexcept {
 
 const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, bool frame_fits) noexcept {
   const VehicleState state = aligned(reported, vehicle_.heading_misalignment);
-  OdometryGate::Verdict verdict;
-  verdict.refusal = ControlReason::kWrongFrame;
+  heard_ = true;
+  OdometryGate::Verdict verdict{ControlReason::kWrongFrame};
   if (frame_fits) verdict = gate_.check(state);
   refused_ = verdict.refusal;
   if (verdict.refusal == ControlReason::kStale) return onSilence(state.stamp);
@@ -320,6 +322,8 @@ const ControlReport& FlightSupervisor::manual(double stamp) noexcept {
 }
 
 void FlightSupervisor::onTime(double now) noexcept {
+  if (std::exchange(heard_, false)) heard_time_ = now;
+  if (now - heard_time_ > kLongPause) gate_.noteSilence();
   if (!pilot_ || options_.rc_timeout <= 0.0) return;
   if (now < sticks_time_) sticks_time_ = now;  // simulated time began anew
   if (now - sticks_time_ <= options_.rc_timeout) return;
