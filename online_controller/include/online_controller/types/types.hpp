@@ -60,7 +60,7 @@ enum class ControlStatus : std::uint8_t {
   kNoReference = 4,
   /// No answer for longer than at kLevel: level attitude, less than hover thrust.
   kDescend = 5,
-  /// Nothing is sent any more, or yet.
+  /// Nothing is sent any more.
   kStopped = 6,
   /// Command of the pilot's sticks, without a law.
   kManual = 7,
