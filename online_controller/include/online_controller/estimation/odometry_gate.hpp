@@ -9,8 +9,8 @@ namespace polyfly {
 /// Lets through the odometry that one vehicle can have flown. A sample is refused when it
 /// - is not valid (kNotFinite, see isValid);
 /// - repeats itself while the vehicle must be moving (kStale, see RepeatCheck): it counts as silence;
-/// - bears a stamp before that of the last accepted one, or more than a second after it without a silence between them
-///   (kOutOfOrder);
+/// - bears a stamp before that of the last accepted one, or more than a second after the last one in time without a
+///   silence between them (kOutOfOrder);
 /// - lies further from the last accepted one than its velocities, 20 m/s^2 and jump_distance explain (kJump);
 /// - is an outlier of the attitude (kJump): turned by more than 20 rad/s^2 and jump_angle explain, from where
 ///   the attitude was and from where the body rates have led it since.

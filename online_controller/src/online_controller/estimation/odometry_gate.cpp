@@ -36,7 +36,7 @@ double halfCosine(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) noex
 
 ControlReason OdometryGate::compare(const VehicleState& before, const VehicleState& state) const noexcept {
   const double elapsed = state.stamp - before.stamp;
-  if (elapsed < 0.0 || (elapsed > kGreatestGap && !silent_)) return ControlReason::kOutOfOrder;
+  if (elapsed < 0.0) return ControlReason::kOutOfOrder;
   if (options_.jump_distance <= 0.0) return ControlReason::kNone;
   const Eigen::Vector3d explained = 0.5 * elapsed * (before.velocity + state.velocity);
   const double room = options_.jump_distance + 0.5 * kGreatestAcceleration * elapsed * elapsed;
@@ -74,9 +74,15 @@ bool OdometryGate::isElsewhere() const noexcept {
 }
 
 OdometryGate::Verdict OdometryGate::check(const VehicleState& state) noexcept {
-  if (!isValid(state)) return {ControlReason::kNotFinite};
-  if (repeat_.repeats(state, options_.repeat_time)) return {ControlReason::kStale};
+  const ControlReason unusable = !isValid(state)                                ? ControlReason::kNotFinite
+                                 : repeat_.repeats(state, options_.repeat_time) ? ControlReason::kStale
+                                                                                : ControlReason::kNone;
+  if (unusable != ControlReason::kNone) {
+    silent_ = true;
+    return {unusable};
+  }
   ControlReason refusal = started_ ? compare(last_, state) : ControlReason::kNone;
+  if (started_ && !silent_ && state.stamp - led_.stamp > kGreatestGap) refusal = ControlReason::kOutOfOrder;
   const bool turned = started_ && hasTurned(led_, state);
   if (turned && refusal == ControlReason::kNone) refusal = ControlReason::kJump;
   Verdict verdict;

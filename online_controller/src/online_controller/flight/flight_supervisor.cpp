@@ -130,6 +130,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, 
   heard_ = true;
   OdometryGate::Verdict verdict{ControlReason::kWrongFrame};
   if (frame_fits) verdict = gate_.check(state);
+  if (!frame_fits) gate_.noteSilence();
   refused_ = verdict.refusal;
   if (verdict.refusal == ControlReason::kStale) return onSilence(state.stamp);
   if (verdict.refusal != ControlReason::kNone) {
