@@ -7,6 +7,7 @@
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
+#include "polyfly_ros/stamps.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -53,12 +54,14 @@ LateralNode::LateralNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
 }
 
 LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup)
-    : setup_(setup),
+    : queue_(handle),
+      setup_(setup),
       table_(tableOf(setup_.guidance)),
       bounds_(table_.bounds()),
-      reconfigure_(private_handle, table_, [this] { onReconfigure(); }),
+      reconfigure_(onQueue(private_handle, queue_), table_, [this] { onReconfigure(); }),
       guidance_(setup.guidance, private_handle.getNamespace()),
-      in_force_(private_handle, "fixed_wing", [this](polyfly::OptionsText& text) { writeInForce(text); }),
+      in_force_(onQueue(private_handle, queue_), "fixed_wing",
+                [this](polyfly::OptionsText& text) { writeInForce(text); }),
       diagnostics_(handle, private_handle, private_handle.getNamespace()),
       autopilot_(setup.engaged_modes, setup.autopilot_timeout,
                  private_handle.getNamespace() + "/input/engaged_modes"),
@@ -69,7 +72,8 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
   diagnostics_.add("lateral guidance", this, &LateralNode::diagnose);
   const std::string widening = describeWidening(polyfly::turnPlanOf(setup_, guidance_.output()));
   if (!widening.empty()) ROS_WARN("lateral guidance: %s", widening.c_str());
-  connect(handle);
+  ros::NodeHandle topics = onQueue(handle, queue_);
+  connect(topics);
 }
 
 void LateralNode::connect(ros::NodeHandle& handle) {
@@ -118,31 +122,28 @@ void LateralNode::writeInForce(polyfly::OptionsText& text) const {
 
 // A step is due at a fixed rate, and made as soon as the state of that period is in.
 void LateralNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
-  ros::Time now = ros::Time::now();
-  time_.onOdometry(now.toSec(), wallTime(), message->header.stamp.toSec());
-  // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
-  if (ros::Time::isSimTime()) now = std::max(now, message->header.stamp);
-  arrival_ = now;
+  time_.onOdometry(ros::Time::now().toSec(), wallTime(), message->header.stamp.toSec());
+  const double now = time_.arrival();
   const bool first = !has_odometry_;
   has_odometry_ = true;
   odometry_header_ = message->header;
   if (first) checkEarlyMission();
   altitude_ = message->pose.pose.position.z;
   input_.state = toAircraftState(*message);
-  const bool has_rate = std::abs((message->header.stamp - imu_stamp_).toSec()) <= setup_.imu_timeout;
+  const bool has_rate = std::abs(secondsBetween(imu_stamp_, message->header.stamp)) <= setup_.imu_timeout;
   if (has_rate) input_.state.roll_rate = imu_rate_;
   const double period = setup_.guidance.period;
-  if (next_ - now.toSec() > 2.0 * period) next_ = now.toSec();  // simulated time began anew
-  if (now.toSec() >= next_ - kEarly * period) step(now);
+  if (next_ - now > 2.0 * period) next_ = now;  // simulated time began anew
+  if (now >= next_ - kEarly * period) step(now);
 }
 
 void LateralNode::onTimer() {
-  ros::Time now = ros::Time::now();
-  time_.advance(now.toSec(), wallTime());
+  double now = ros::Time::now().toSec();
+  time_.advance(now, wallTime());
   tellOfClock();
   // Where the clock is dead, time goes on by wall time, and goes on from there when it runs again.
-  if (ros::Time::isSimTime()) now = arrival_ + ros::Duration(time_.silence());
-  if (has_odometry_ && now.toSec() > next_ + kLate * setup_.guidance.period) {
+  if (ros::Time::isSimTime()) now = time_.arrival() + time_.silence();
+  if (has_odometry_ && now > next_ + kLate * setup_.guidance.period) {
     ++late_steps_;
     step(now);
   }
@@ -218,9 +219,9 @@ void LateralNode::onEngaged(const std_msgs::Bool::ConstPtr& message) { engaged_ 
 
 void LateralNode::onAutopilot(const mavros_msgs::State::ConstPtr& message) { autopilot_.take(*message); }
 
-void LateralNode::step(const ros::Time& now) {
+void LateralNode::step(double now) {
   const double period = setup_.guidance.period;
-  input_.time = now.toSec();
+  input_.time = now;
   next_ = std::max(next_, input_.time - period) + period;  // a missed step is not made up for
   input_.engaged = engaged_ && (!setup_.watch_autopilot || autopilot_.follows(input_.time));
   const Clock::time_point start = Clock::now();

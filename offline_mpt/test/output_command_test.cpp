@@ -98,7 +98,7 @@ TEST_F(OutputCommand, KeepsTheFilesThatAProblemCites) {
                 "name of its own");
 }
 
-// A map is mapped; a checkpoint and the proof of a count are written in any order.
+// A map is read back; a checkpoint and the proof of a count are written in any order.
 TEST_F(OutputCommand, NeedsAFileForMapsAndProofs) {
   const std::string fifo = path("fifo"), device = path("device");
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);

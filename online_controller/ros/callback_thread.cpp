@@ -16,7 +16,7 @@ std::unique_lock<polyfly::TryLock> locked(polyfly::TryLock* lock) {
 }  // namespace
 
 void WaitableQueue::addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner_id) {
-  ros::CallbackQueue::addCallback(callback, owner_id);
+  ros::CallbackQueue::addCallback(guarded(callback), owner_id);
   // Whoever has found the queue empty waits by now, and is woken.
   { const std::lock_guard<std::mutex> lock(mutex_); }
   added_.notify_one();
@@ -25,12 +25,6 @@ void WaitableQueue::addCallback(const ros::CallbackInterfacePtr& callback, std::
 void WaitableQueue::waitUntil(Clock::time_point time) {
   std::unique_lock<std::mutex> lock(mutex_);
   added_.wait_until(lock, time, [this] { return !isEmpty(); });
-}
-
-ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
-  ros::NodeHandle copy(handle);
-  copy.setCallbackQueue(&queue);
-  return copy;
 }
 
 CallbackThread::CallbackThread(WaitableQueue& queue, const char* name, Tasks tasks)
@@ -58,7 +52,7 @@ void CallbackThread::serve(WaitableQueue& queue, const Tasks& tasks) const {
     next = std::max(next + period, now);
     if (!tasks.tick) continue;
     const auto lock = locked(tasks.lock);
-    tasks.tick();
+    runGuarded(tasks.tick);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "online_controller_ros/conversions.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
+#include "polyfly_ros/stamps.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -81,14 +82,14 @@ void fillFilterAxis(const polyfly::FilterAxisReport& report, online_controller::
 
 }  // namespace
 
-CommandFilterNode::CommandFilterNode(const ros::NodeHandle& handle,
-                                     const ros::NodeHandle& private_handle) try {
+CommandFilterNode::CommandFilterNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
+    : queue_(handle) {
   ParameterReader reader(private_handle);
   std::vector<polyfly::RegionMap> maps;
   for (const char* axis : {"x", "y", "z"}) {
     const std::string path =
         reader.text(std::string("maps/") + axis, "the path of a map of a safety filter", "");
-    if (!path.empty()) maps.push_back(polyfly::RegionMap::open(path));
+    if (!path.empty()) maps.push_back(polyfly::RegionMap::open(path, polyfly::kGreatestFlownMap));
   }
   polyfly::MultirotorOptions options;
   polyfly::visitOptions(options, reader);
@@ -100,7 +101,7 @@ CommandFilterNode::CommandFilterNode(const ros::NodeHandle& handle,
   filter_ = std::make_unique<polyfly::CommandFilter>(std::move(maps), options);
   silence_ = silence_periods * filter_->period();
   stale_ = stale_periods * filter_->period();
-  ros::NodeHandle topics(handle);
+  ros::NodeHandle topics = onQueue(handle, queue_);
   command_publisher_ =
       topics.advertise<mav_msgs::RollPitchYawrateThrust>("command/roll_pitch_yawrate_thrust", kFilterQueue);
   status_publisher_ = topics.advertise<Status>("filter_status", kFilterQueue);
@@ -128,8 +129,9 @@ bool CommandFilterNode::hasState() const {
 
 void CommandFilterNode::onWish(const mav_msgs::RollPitchYawrateThrust& message) {
   const ros::Time stamp = message.header.stamp;
-  const double since = (stamp - answered_stamp_).toSec();
-  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() && !stamp.isZero()) {
+  const double since = secondsBetween(answered_stamp_, stamp);
+  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() &&
+      !stamp.isZero()) {
     ++status_.early;
     return;
   }

@@ -4,18 +4,31 @@
 
 #include <exception>
 #include <limits>
+#include <string>
 
 #include "online_controller/types/option_groups.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {
 
+// Time between two messages that nothing is sent [s].
+constexpr double kIdleInterval = 10.0;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Parameters of earlier versions. A launch file that still sets them flies as without them.
 constexpr const char* kRemoved[] = {"real_time/poll", "real_time/rehearse"};
+
+/// Parameters of earlier versions that a flight would miss, and what to use instead.
+constexpr struct {
+  const char* name;
+  const char* instead;
+} kRefused[] = {{"control_interface/idle_publishes",
+                 "nothing is sent before a reference or a take-off; for the set-points that an autopilot "
+                 "needs to become guided use "
+                 "control_interface/offboard_stream"}};
 
 }  // namespace
 
@@ -32,6 +45,10 @@ ControllerNode::Setup ControllerNode::readSetup(const ros::NodeHandle& private_h
   setup.in_publisher = answersInPublisher(setup.answer, setup.real_time);
   reader("provenance", setup.provenance);
   reader.passOver(polyfly::kInForceGroup);
+  for (const auto& refused : kRefused) {
+    if (reader.given(refused.name))
+      throw polyfly::Error(std::string("parameter ") + refused.name + " is removed: " + refused.instead);
+  }
   for (const char* name : kRemoved) {
     if (reader.given(name)) ROS_WARN("MPC does not use the parameter %s any more; it is ignored", name);
   }
@@ -76,6 +93,7 @@ ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHan
       record_(flight_.preview().size()),
       interface_(handle_, onQueue(private_handle, queue_), flight_, watch_.time(), setup.flight, setup.laws,
                  [this](const ros::Time& now) { onManual(now); }),
+      autopilot_(handle_),
       output_(handle_, setup.output, setup.laws.controller),
       reporter_(handle_, laws_, flight_, record_, setup.laws.controller.control_period),
       law_selector_(handle_, laws_, [this] { finish(); }),
@@ -96,6 +114,7 @@ void ControllerNode::onOdometry(const nav_msgs::Odometry& message) {
   const polyfly::VehicleState state = toVehicleState(message);
   const bool frame_fits = interface_.frameFits(watch_.frame());
   StageTimes times;
+  heedAutopilot();
   times.input = clock.lap();
   const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
   times.step = clock.lap();
@@ -120,7 +139,9 @@ Answered& ControllerNode::record(const std_msgs::Header& header, const StageTime
   answered.report = report;
   answered.sends = flight_.sends();
   if (answered.sends)
-    record_.commands.store(report.status != polyfly::ControlStatus::kMotorsOff, std::memory_order_relaxed);
+    record_.commands.store(report.status != polyfly::ControlStatus::kMotorsOff &&
+                               report.status != polyfly::ControlStatus::kNoReference,
+                           std::memory_order_relaxed);
   answered.times = times;
   answered.odometry_age = watch_.age();
   answered.by_odometry = false;
@@ -167,6 +188,21 @@ void ControllerNode::onTick() {
   interface_.publishChange();
   if (!watch_.hasOdometry()) swapLaws();
   if (watch_.isSilent()) onSilence();
+  tellOfIdleness();
+}
+
+void ControllerNode::heedAutopilot() { flight_.onAutopilot(autopilot_.report(watch_.now())); }
+
+// Not where the vehicle is known to rest on the ground.
+void ControllerNode::tellOfIdleness() const {
+  if (!watch_.hasOdometry() || flight_.sends() || flight_.state() != polyfly::FlightState::kInactive) return;
+  const polyfly::AutopilotReport autopilot = autopilot_.report(watch_.now());
+  const bool on_ground = autopilot.place == polyfly::AutopilotReport::Place::kOnGround;
+  if (autopilot.fresh && (!autopilot.armed || on_ground)) return;
+  ROS_WARN_THROTTLE(
+      kIdleInterval,
+      "MPC sends nothing: no reference came, and no take-off was asked for. The autopilot or the pilot "
+      "has the vehicle; a receiver without a time-out keeps its last command");
 }
 
 void ControllerNode::onSilence() {
@@ -177,6 +213,7 @@ void ControllerNode::onSilence() {
   header.frame_id = watch_.frame();
   StageClock clock;
   StageTimes times;
+  heedAutopilot();
   const polyfly::ControlReport& report = flight_.onSilence(header.stamp.toSec());
   times.step = clock.lap();
   if (flight_.sends()) output_.publish(report.command, header, kNan);

@@ -57,7 +57,7 @@ const char* words(ControlStatus status) {
     case ControlStatus::kLevel:
       return "level attitude, hover thrust";
     case ControlStatus::kNoReference:
-      return "level attitude, hover thrust";
+      return "no law flies";
     case ControlStatus::kDescend:
       return "level attitude, less than hover thrust";
     case ControlStatus::kStopped:

@@ -10,6 +10,7 @@
 
 #include "online_controller_ros/conversions.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_ros/stamps.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -228,7 +229,7 @@ void FlightInterface::onPose(const geometry_msgs::PoseStamped::ConstPtr& message
 }
 
 void FlightInterface::onJoy(const sensor_msgs::Joy::ConstPtr& message) {
-  const ros::Time now = ros::Time::now() + ros::Duration(time_.ahead());
+  const ros::Time now = stampOf(ros::Time::now().toSec() + time_.ahead());
   const bool command = flight_.onRemoteControl(toRemoteControl(*message, joy_), now.toSec());
   publishChange();
   if (command) on_manual_(now);

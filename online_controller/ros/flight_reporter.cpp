@@ -16,6 +16,11 @@ namespace polyfly_ros {
 namespace {
 
 constexpr double kWarningInterval = 1.0;  // between two warnings [s]
+constexpr const char* kNothingSent = "; nothing is sent";
+
+bool isIdle(const Answered& answered) {
+  return answered.report.status == polyfly::ControlStatus::kNoReference && !answered.sends;
+}
 
 }  // namespace
 
@@ -61,6 +66,7 @@ void FlightReporter::publishStatus(const Answered& answered, bool last) {
   status->prepare_time_ns = last_prepare_;
   status->lookup_time_ns = lookupTime(answered);
   fillStatus(answered.report, laws_.laws().parameters(answered.law), *status);
+  status->text += isIdle(answered) ? kNothingSent : "";
   publisher_.publish(status);
 }
 
@@ -108,7 +114,8 @@ void FlightReporter::logChange(const Answered& answered) {
   if (report.status == logged_status_ && report.reason == logged_reason_) return;
   logged_status_ = report.status;
   logged_reason_ = report.reason;
-  const std::string text = describe(report, laws_.laws().parameters(answered.law));
+  const std::string text =
+      describe(report, laws_.laws().parameters(answered.law)) + (isIdle(answered) ? kNothingSent : "");
   if (isAsAsked(report)) {
     ROS_INFO_THROTTLE(kWarningInterval, "MPC: %s", text.c_str());
   } else {

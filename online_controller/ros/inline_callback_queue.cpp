@@ -4,6 +4,8 @@
 
 #include <mutex>
 
+#include "polyfly_ros/guarded_queue.hpp"
+
 namespace polyfly_ros {
 namespace {
 
@@ -12,7 +14,7 @@ std::string entry(const ros::M_string& header, const char* key) {
   return found == header.end() ? std::string() : found->second;
 }
 
-/// Marks a callback as inline, until it returns or throws.
+/// Marks a callback as inline, until it returns.
 class InlineMark {
  public:
   explicit InlineMark(bool& mark) : mark_(mark) { mark_ = true; }
@@ -35,7 +37,7 @@ void InlineCallbackQueue::addCallback(const ros::CallbackInterfacePtr& callback,
   ros::CallbackInterface::CallResult result;
   {
     const InlineMark mark(runs_inline_);
-    result = callback->call();
+    result = callGuarded(*callback);
   }
   owned.unlock();
   if (result == ros::CallbackInterface::TryAgain) fallback_.addCallback(callback, owner_id);

@@ -233,9 +233,6 @@ LegacyParameters importLegacyParameters(const ros::NodeHandle& private_handle, c
     result.names.push_back({"roll_max", "controller/angle_max"});
     result.names.push_back({"pitch_max", "controller/angle_max"});
   }
-  // It sends nothing before a flight begins.
-  if (!private_handle.hasParam("control_interface/idle_publishes"))
-    private_handle.setParam("control_interface/idle_publishes", false);
   result.taken = importer.text();
   result.unread = unread(private_handle, importer);
   return result;

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "polyfly_ros/stamps.hpp"
+
 namespace polyfly_ros {
 namespace {
 
@@ -29,14 +31,12 @@ double OdometryWatch::interval() const {
 }
 
 int OdometryWatch::onOdometry(const std_msgs::Header& header) {
-  arrival_ = ros::Time::now();
-  // /clock is handled in another thread: simulated time may still stand before the odometry that came with it.
-  time_.onOdometry(arrival_.toSec(), wallTime(), header.stamp.toSec());
-  if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, header.stamp);
+  const double stamp = header.stamp.toSec();
+  time_.onOdometry(ros::Time::now().toSec(), wallTime(), stamp);
   has_odometry_ = true;
   frame_ = header.frame_id;
-  age_ = (arrival_ - header.stamp).toSec();
-  const double periods = stamp_.isZero() ? 0.0 : (header.stamp - stamp_).toSec() / control_period_;
+  age_ = time_.arrival() - stamp;
+  const double periods = stamp_.isZero() ? 0.0 : secondsBetween(stamp_, header.stamp) / control_period_;
   stamp_ = header.stamp;
   // Half a period late is jitter; a long gap is silence, or another flight.
   return periods > 1.5 && periods < kLongGap ? static_cast<int>(std::lround(periods)) - 1 : 0;
@@ -56,7 +56,7 @@ bool OdometryWatch::isDue() {
 double OdometryWatch::now() const { return ros::Time::now().toSec() + time_.ahead(); }
 
 ros::Time OdometryWatch::stampInSilence() const {
-  return time_.byWall() ? arrival_ + ros::Duration(time_.silence()) : ros::Time::now();
+  return time_.byWall() ? stampOf(time_.arrival() + time_.silence()) : ros::Time::now();
 }
 
 void OdometryWatch::tellOfClock() {

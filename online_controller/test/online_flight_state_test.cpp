@@ -20,17 +20,17 @@ using Table = std::array<std::string, polyfly::kFlightStateCount>;
 constexpr char kLetters[] = "ITPJRSLGF";
 
 //                        pose . . ended . done . hold . touchdown . sticks . lost . bad . recovered
-//                          trajectory take-off failed land . manual . idle . silence no answer
+//                          trajectory take-off failed land . manual . idle . silence no answer . guided, guided ended
 const Table kFree{
-    "PJITIIxxIRIIIIIII",  // inactive
-    "TTTxPLPLTRSTTFFFT",  // take-off
-    "PJPxPPPLPRSPPFFFP",  // position hold
-    "PJPxJJPLJRSJJFFFJ",  // trajectory
-    "xxRxRRxxRRSPLRRRR",  // remote control
-    "xxSxSSPLSRSSPFFFS",  // sticks move the hold
-    "xxLxLLPLGRSLLFFFL",  // landing
-    "xxGTGGxxGRGGGGGGG",  // on the ground
-    "FFFxFFxFFRFFFFFFJ",  // failsafe
+    "PJITIIxxIRIIIIIIIPI",  // inactive
+    "TTTxPLPLTRSTTFFFTTT",  // take-off
+    "PJPxPPPLPRSPPFFFPPI",  // position hold
+    "PJPxJJPLJRSJJFFFJJJ",  // trajectory
+    "xxRxRRxxRRSPLRRRRRR",  // remote control
+    "xxSxSSPLSRSSPFFFSSS",  // sticks move the hold
+    "xxLxLLPLGRSLLFFFLLL",  // landing
+    "xxGTGGxxGRGGGGGGGGG",  // on the ground
+    "FFFxFFxFFRFFFFFFJFI",  // failsafe
 };
 
 char answer(FlightState state, FlightEvent event, const FlightSituation& situation) {
@@ -65,6 +65,7 @@ TEST(FlightState, EveryEventInEveryState) { expectTable(kFree, situation(false, 
 TEST(FlightState, APilotMustHandOverFirst) {
   Table table = kFree;
   table[0].replace(0, 4, "xxIx");
+  table[0][17] = 'I';
   table[7][3] = kRefused;
   expectTable(table, situation(true, true));
 }

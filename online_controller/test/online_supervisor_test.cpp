@@ -92,19 +92,9 @@ TEST(Supervisor, AReferenceAloneStartsAFlightAsEver) {
   Room room;
   EXPECT_EQ(room.step().status, ControlStatus::kNoReference);
   EXPECT_EQ(room.supervisor.state(), FlightState::kInactive);
-  EXPECT_TRUE(room.supervisor.sends());
+  EXPECT_FALSE(room.supervisor.sends());
   room.hover({0.0, 0.0, 1.0});
   EXPECT_EQ(room.supervisor.report().status, ControlStatus::kOptimal);
-}
-
-TEST(Supervisor, BeforeAFlightNothingNeedBeSent) {
-  polyfly::FlightOptions options;
-  options.idle_publishes = false;
-  Room room(options);
-  EXPECT_EQ(room.step().status, ControlStatus::kStopped);
-  EXPECT_FALSE(room.supervisor.sends());
-  room.supervisor.onSilence(1.0);
-  EXPECT_FALSE(room.supervisor.sends());
 }
 
 TEST(Supervisor, TakesOffHoldsAndLands) {

@@ -369,19 +369,19 @@ LookupCost MapValidator::checkTree() const {
 
 }  // namespace
 
-void checkFrame(const void* data, std::size_t size, const std::string& name) {
-  constexpr std::size_t kMagicSize = sizeof(format::kMagic);
-  const auto* const bytes = static_cast<const unsigned char*>(data);
+void checkHead(const void* head, std::uint64_t size, const std::string& name) {
+  constexpr std::uint64_t kMagicSize = sizeof(format::kMagic);
+  const auto* const bytes = static_cast<const unsigned char*>(head);
   if (size >= kMagicSize &&
       std::all_of(bytes, bytes + kMagicSize, [](unsigned char byte) { return byte == 0; })) {
     refuse(name, "is unfinished: its writer was stopped");
   }
-  if (std::memcmp(data, format::kMagic, std::min(size, kMagicSize)) != 0) refuse(name, "is not a region map");
+  if (std::memcmp(head, format::kMagic, std::min(size, kMagicSize)) != 0) refuse(name, "is not a region map");
   if (size < format::kFirstHeader) {
     refuse(name, "is cut off: " + std::to_string(size) + " bytes are less than a header of 256");
   }
   Header header = {};
-  std::memcpy(&header, data, format::kFirstHeader);
+  std::memcpy(&header, head, format::kFirstHeader);
   if (header.byte_order != format::kByteOrder) {
     refuse(name, "header: byte order mark is wrong: a damaged file, or a machine that is not little-endian");
   }
@@ -398,7 +398,10 @@ void checkFrame(const void* data, std::size_t size, const std::string& name) {
     refuse(name,
            verdict + std::to_string(size) + " bytes, the header says " + std::to_string(header.file_size));
   }
-  if (header.checksum != format::checksum(data, size))
+}
+
+void checkSum(const void* data, std::size_t size, const std::string& name) {
+  if (format::readHeader(data).checksum != format::checksum(data, size))
     refuse(name, "is damaged: the checksum does not match");
 }
 

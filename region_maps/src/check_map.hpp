@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,10 +18,14 @@ struct MapFacts {
   LookupCost cost;
 };
 
-/// Size, magic, byte order, version, file size, checksum. Throws Error starting with `name`.
-void checkFrame(const void* data, std::size_t size, const std::string& name);
+/// Magic, byte order, version and file size, for a file of `size` bytes. Reads its first bytes alone, at most a header.
+/// Throws Error starting with `name`.
+void checkHead(const void* head, std::uint64_t size, const std::string& name);
 
-/// All other rules of FORMAT.md but the cost in the header. The frame must be right, the checksum excepted;
+/// The checksum, once checkHead has passed. Throws Error.
+void checkSum(const void* data, std::size_t size, const std::string& name);
+
+/// All other rules of FORMAT.md but the cost in the header. checkHead must have passed;
 /// `data` must be aligned to 8 bytes. Takes time and memory in proportion to `size`. Throws Error.
 MapFacts checkStructure(const void* data, std::size_t size, const std::string& name);
 

@@ -1,17 +1,20 @@
 #include "region_maps/region_map.hpp"
 
 #include <array>
+#include <string>
 #include <utility>
 
 #include "check_map.hpp"
 #include "point_location.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
-#include "region_maps/mapped_file.hpp"
+#include "region_maps/read_file.hpp"
 #include "search_index.hpp"
 
 namespace polyfly {
 namespace {
+
+static_assert(kHeadBytes >= sizeof(format::Header), "the whole header is checked before memory is taken");
 
 std::vector<Signal> readSignals(const std::string_view* texts, const format::Bounds* bounds,
                                 std::size_t count) {
@@ -60,8 +63,8 @@ struct RegionMap::Loaded {
   LookupFunctions functions;
   LookupTables tables;
   std::string path;
-  MappedFile file;
-  const void* data = nullptr;  // the file, in `file` or with the caller of view()
+  AlignedBytes bytes;
+  const void* data = nullptr;  // the file, in `bytes` or with the caller of view()
   format::Header header = {};
   const std::int32_t* active = nullptr;  // into the file
   // Views into the file.
@@ -79,12 +82,17 @@ RegionMap::RegionMap(RegionMap&& other) noexcept = default;
 RegionMap& RegionMap::operator=(RegionMap&& other) noexcept = default;
 RegionMap::~RegionMap() = default;
 
-RegionMap RegionMap::open(const std::string& path) {
+RegionMap RegionMap::open(const std::string& path, std::uint64_t most_bytes) {
   auto loaded = std::make_unique<Loaded>();
   loaded->path = path;
-  loaded->file = MappedFile(path);
-  loaded->data = loaded->file.data();
-  const std::size_t size = loaded->file.size();
+  loaded->bytes = readFile(path, [&](const void* head, std::uint64_t size) {
+    checkHead(head, size, path);
+    if (size <= most_bytes) return;
+    throw Error(path + ": is too large for a node: " + std::to_string(size) + " bytes, at most " +
+                std::to_string(most_bytes));
+  });
+  loaded->data = loaded->bytes.data();
+  const std::size_t size = loaded->bytes.size();
   return load(std::move(loaded), size);
 }
 
@@ -102,7 +110,8 @@ RegionMap RegionMap::load(std::unique_ptr<Loaded> loaded, std::size_t size) {
   RegionMap map(std::move(loaded));
   Loaded& own = *map.loaded_;
   const void* const data = own.data;
-  checkFrame(data, size, own.path);
+  checkHead(data, size, own.path);
+  checkSum(data, size, own.path);
   const MapFacts facts = checkStructure(data, size, own.path);
   const format::Header header = format::readHeader(data);
   checkCost(header, facts.cost, own.path);

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <set>
 
 #include "bad_maps.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/format.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"
@@ -16,9 +19,9 @@ namespace polyfly {
 namespace {
 
 /// The text of the refusal, empty if the file is accepted.
-std::string refusal(const std::string& path) {
+std::string refusal(const std::string& path, std::uint64_t most_bytes = kAnySize) {
   try {
-    RegionMap::open(path);
+    RegionMap::open(path, most_bytes);
   } catch (const Error& error) {
     return error.what();
   }
@@ -118,6 +121,25 @@ TEST(BadMap, NamedPipeIsRefusedWithoutWaiting) {
   const std::string path = folder.file("pipe");
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   EXPECT_EQ(refusal(path), path + ": is not a regular file");
+}
+
+// Files of 20 GB, of which the disk holds little: they are refused before memory is taken for them.
+TEST(BadMap, HugeFilesCostNoMemory) {
+  const ScratchFolder folder;
+  constexpr std::uint64_t kHuge = 20'000'000'000;
+  std::vector<std::byte> bytes = layOut(makeSmallMap());
+  const std::string zeros = folder.save("zeros.map", {});
+  std::filesystem::resize_file(zeros, kHuge);
+  EXPECT_EQ(refusal(zeros), zeros + ": is unfinished: its writer was stopped");
+  const std::string longer = folder.save("longer.map", bytes);
+  std::filesystem::resize_file(longer, kHuge);
+  EXPECT_EQ(refusal(longer),
+            longer + ": is too long: 20000000000 bytes, the header says " + std::to_string(bytes.size()));
+  std::memcpy(bytes.data() + offsetof(format::Header, file_size), &kHuge, sizeof(kHuge));
+  const std::string claimed = folder.save("claimed.map", bytes);
+  std::filesystem::resize_file(claimed, kHuge);
+  EXPECT_EQ(refusal(claimed, kGreatestFlownMap),
+            claimed + ": is too large for a node: 20000000000 bytes, at most 268435456");
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -221,6 +223,42 @@ TEST(RegionMap, OutlivesTheNameOfItsFile) {
   map.evaluate(theta, &u);
   EXPECT_EQ(u, 8.0);
   EXPECT_EQ(RegionMap::open(path).name(), "small");
+}
+
+// `cp other.map in_force.map`, `truncate` and `: > file` while a map is loaded.
+TEST(RegionMap, KeepsItsAnswersWhereTheFileIsOverwrittenInPlace) {
+  const ScratchFolder folder;
+  MapContent content = makeGridMap(2, 3);
+  const std::string path = folder.save("changed.map", layOut(content));
+  const RegionMap map = RegionMap::open(path);
+  const std::string before(map.file());
+  const auto fly = [&] {
+    std::vector<double> inputs;
+    std::mt19937_64 random(7);
+    for (int i = 0; i < 200; ++i) {
+      double u = -1.0;
+      map.evaluate(randomPoint(content, random, 1.1).data(), &u);
+      inputs.push_back(u);
+    }
+    return inputs;
+  };
+  const std::vector<double> expected = fly();
+  MapContent other = content;
+  for (double& number : other.laws) number += 1.0;
+  const auto overwrite = [&](const std::vector<std::byte>& bytes) {
+    // Opened for reading too, so that the file is neither replaced nor cut off first.
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  };
+  overwrite(layOut(other));
+  EXPECT_EQ(fly(), expected) << "another map of the same size";
+  overwrite(std::vector<std::byte>(before.size(), std::byte{0xff}));
+  EXPECT_EQ(fly(), expected) << "garbage";
+  for (const std::size_t size : {before.size() / 2, std::size_t{0}}) {
+    std::filesystem::resize_file(path, size);
+    EXPECT_EQ(fly(), expected) << "cut off at " << size;
+    EXPECT_TRUE(map.file() == before);
+  }
 }
 
 TEST(RegionMap, RefusesMemoryThatIsNotAligned) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 #include <numeric>
 #include <random>
 
@@ -277,14 +276,6 @@ std::vector<std::byte> layOutVersion1(const MapContent& content) {
   std::memcpy(old.data(), &header, format::kFirstHeader);
   return old;
 }
-
-AlignedBytes::AlignedBytes(const std::byte* data, std::size_t size)
-    : data_(static_cast<std::byte*>(::operator new(size, std::align_val_t(format::kAlignment)))),
-      size_(size) {
-  if (size != 0) std::memcpy(data_, data, size);
-}
-
-AlignedBytes::~AlignedBytes() { ::operator delete(data_, std::align_val_t(format::kAlignment)); }
 
 MadeMap::MadeMap(MapContent made)
     : content(std::move(made)),

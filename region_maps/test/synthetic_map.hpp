@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "region_maps/aligned_bytes.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -36,24 +37,6 @@ MapContent makeSmallMap();
 
 /// The same map as version 1 of the format had it. `content` names no tests.
 std::vector<std::byte> layOutVersion1(const MapContent& content);
-
-/// A copy aligned as RegionMap::view wants it. Heap memory of the exact size, so that sanitizers see each
-/// step over its end.
-class AlignedBytes {
- public:
-  AlignedBytes(const std::byte* data, std::size_t size);
-  explicit AlignedBytes(const std::vector<std::byte>& bytes) : AlignedBytes(bytes.data(), bytes.size()) {}
-  AlignedBytes(const AlignedBytes&) = delete;
-  AlignedBytes& operator=(const AlignedBytes&) = delete;
-  ~AlignedBytes();
-
-  std::byte* data() noexcept { return data_; }
-  std::size_t size() const noexcept { return size_; }
-
- private:
-  std::byte* data_;
-  std::size_t size_;
-};
 
 /// A map in memory with the content that it was made from.
 struct MadeMap {

@@ -33,6 +33,7 @@ if(CATKIN_ENABLE_TESTING)
   target_link_libraries(node_soak_test PRIVATE polyfly_test_ros GTest::gtest)
   polyfly_warnings(node_soak_test)
   add_rostest(rostest/soak.test DEPENDENCIES node_soak_test)
+  add_rostest(rostest/hostile_stamps.test DEPENDENCIES polyfly_test_ros)
   foreach(test calibration flights launch_files robust_flights safety_filter)
     add_rostest(rostest/${test}.test
       DEPENDENCIES polyfly_test_ros multirotor_plant_node figure_player_node flight_recorder_node)

@@ -51,7 +51,7 @@ std::string textOf(const polyfly::ExcitationFlight& flight) {
 }  // namespace
 
 ExciteNode::ExciteNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
-    : flight_([&] {
+    : queue_(handle), flight_([&] {
         const Setup setup = readSetup(private_handle);
         options_ = setup.options;
         engaged_ = !setup.require_engaged;
@@ -59,7 +59,7 @@ ExciteNode::ExciteNode(const ros::NodeHandle& handle, const ros::NodeHandle& pri
         return polyfly::ExcitationFlight(setup.plan, setup.options);
       }()) {
   ROS_INFO_STREAM("excite:\n" << polyfly::describe(flight_.plan()));
-  ros::NodeHandle nh(handle);
+  ros::NodeHandle nh = onQueue(handle, queue_);
   constexpr bool kLatched = true;
   if (options_.wing) {
     attitude_publisher_ = nh.advertise<mavros_msgs::AttitudeTarget>("mavros/setpoint_raw/attitude", kQueue);

@@ -66,12 +66,13 @@ DiagnosticStatus statusOf(const polyfly::MapUse& use, const polyfly::RegionMap& 
 
 }  // namespace
 
-CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) {
+CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+    : queue_(handle) {
   ParameterReader reader(private_handle);
   for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
     const std::string key = std::string("maps/") + polyfly::kAxisNames[axis].axis;
-    maps_[axis] = std::make_unique<polyfly::RegionMap>(
-        polyfly::RegionMap::open(reader.requiredText(key, "the path of a region map")));
+    maps_[axis] = std::make_unique<polyfly::RegionMap>(polyfly::RegionMap::open(
+        reader.requiredText(key, "the path of a region map"), polyfly::kGreatestFlownMap));
     if (polyfly::axisOf(*maps_[axis]) != axis) {
       throw polyfly::Error("parameter " + private_handle.resolveName(key) + ": " + maps_[axis]->path() +
                            " serves another axis");
@@ -83,7 +84,7 @@ CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle&
   summary_ = reader.text("summary", "the path of a file", "");
   polyfly::checkOutputs({{summary_}}, {maps_[0]->path(), maps_[1]->path(), maps_[2]->path()});
   reader.refuseUnknown({"maps"});
-  ros::NodeHandle nh(handle);
+  ros::NodeHandle nh = onQueue(handle, queue_);
   publisher_ = nh.advertise<diagnostic_msgs::DiagnosticArray>("coverage", 10);
   subscriber_ = nh.subscribe("controller_status", kQueue, &CoverageNode::onStatus, this,
                              ros::TransportHints().tcpNoDelay());

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "polyfly_base/error.hpp"
+#include "polyfly_ros/stamps.hpp"
 #include "validation_ros/marker_colors.hpp"
 #include "validation_ros/slice_markers.hpp"
 
@@ -23,7 +24,7 @@ bool insideAll(const polyfly::ReplaySample& sample) {
 }
 
 // A bag has no time 0.
-ros::Time timeOf(double stamp) { return std::max(ros::TIME_MIN, ros::Time(std::max(0.0, stamp))); }
+ros::Time timeOf(double stamp) { return std::max(ros::TIME_MIN, stampOf(stamp)); }
 
 }  // namespace
 

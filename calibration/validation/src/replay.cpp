@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "online_controller/estimation/odometry_gate.hpp"
@@ -71,6 +72,8 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
   std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
   ReferenceSchedule schedule;
   OdometryGate gate(options);
+  // Stamp of the last odometry that was accepted, or of the first [s]. No other moves the references.
+  std::optional<double> accepted;
   std::vector<ReplaySample> samples;
   samples.reserve(log.odometry.size());
   for (const FlightLog::Event& event : log.events) {
@@ -81,6 +84,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
         break;
       }
       case FlightLog::EventKind::kSilence:
+        gate.noteSilence();
         law.onSilence(log.silences.at(event.index));
         break;
       case FlightLog::EventKind::kOdometry: {
@@ -88,13 +92,18 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
         if (!answered.empty() && answered.count(state.stamp) == 0) break;
         ReplaySample sample;
         sample.state = state;
-        sample.has_reference = schedule.preview(state.stamp + law.lead(), law.previewPeriod(),
-                                                law.previewLength(), preview.data());
-        if (sample.has_reference)
-          sample.reference = law.lead() > 0.0 ? *schedule.sample(state.stamp) : preview.front();
         const OdometryGate::Verdict verdict = gate.check(state);
+        if (verdict.refusal == ControlReason::kNone || !accepted) accepted = state.stamp;
+        const double time = *accepted;
+        schedule.shift(verdict.time_jump);
+        schedule.advance(time);
+        sample.has_reference =
+            schedule.preview(time + law.lead(), law.previewPeriod(), law.previewLength(), preview.data());
+        if (sample.has_reference)
+          sample.reference = law.lead() > 0.0 ? *schedule.sample(time) : preview.front();
         if (verdict.restarted) law.forget(LawMemory::kObserver);
         if (verdict.refusal == ControlReason::kStale) {
+          gate.noteSilence();
           sample.report = law.onSilence(state.stamp);
         } else if (!sample.has_reference) {
           sample.report = law.stepWithoutReference(state.stamp);

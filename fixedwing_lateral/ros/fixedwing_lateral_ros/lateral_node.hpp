@@ -20,6 +20,7 @@
 #include "fixedwing_lateral_ros/conversions.hpp"
 #include "polyfly_base/change_bounds.hpp"
 #include "polyfly_base/time_source.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 #include "polyfly_ros/option_table.hpp"
 #include "polyfly_ros/parameters_in_force.hpp"
 #include "polyfly_ros/reconfigure_server.hpp"
@@ -55,13 +56,15 @@ class LateralNode {
   void checkEarlyMission();
   void tellOfClock();
 
-  void step(const ros::Time& now);
+  /// At the time `now` [s].
+  void step(double now);
   void improve(const std::chrono::steady_clock::time_point& start);
   void publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
   void publishStatus(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void logChange(const polyfly::GuidanceOutput& output);
 
+  GuardedQueue queue_;
   Setup setup_;
   // Options of setup_ that may change in flight.
   OptionTable table_;
@@ -89,8 +92,6 @@ class LateralNode {
   // Time at which the next step is due [s].
   double next_ = 0.0;
   polyfly::TimeSource time_;
-  // Arrival of the last odometry.
-  ros::Time arrival_;
   // Frame of the mission in force; empty: the frame of the odometry.
   std::string mission_frame_;
   bool has_odometry_ = false;

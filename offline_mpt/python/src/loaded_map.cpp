@@ -39,19 +39,14 @@ void inParts(std::size_t count, int threads, const Work& work) {
 
 }  // namespace
 
-LoadedMap::LoadedMap(const std::string& path)
-    : file_(path), map_(RegionMap::view(file_.data(), file_.size(), path)) {}
+LoadedMap::LoadedMap(const std::string& path) : map_(RegionMap::open(path)) {}
 
 LoadedMap::LoadedMap(MapImage image, const std::string& name)
     : image_(std::move(image)), map_(image_->view(name)) {}
 
 void LoadedMap::save(const std::string& path) const {
-  if (image_) {
-    writeFileAtomically(path, image_->bytes());
-    return;
-  }
-  const auto* bytes = static_cast<const std::byte*>(file_.data());
-  writeFileAtomically(path, std::vector<std::byte>(bytes, bytes + file_.size()));
+  const auto* bytes = reinterpret_cast<const std::byte*>(map_.file().data());
+  writeFileAtomically(path, std::vector<std::byte>(bytes, bytes + map_.bytes()));
 }
 
 void LoadedMap::evaluate(const double* theta, double* u) const {

@@ -7,16 +7,15 @@
 
 #include "mpc_core/parametric_program.hpp"
 #include "region_maps/map_image.hpp"
-#include "region_maps/mapped_file.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly::python {
 
-/// A region map as Python holds it: a file that is mapped, or an image in memory. Stays where it was made, since
+/// A region map as Python holds it: read from a file, or an image in memory. Stays where it was made, since
 /// arrays of Python point into it.
 class LoadedMap {
  public:
-  /// Maps the file into memory. Throws Error.
+  /// Reads the file. Throws Error.
   explicit LoadedMap(const std::string& path);
   /// `name` is used in errors.
   LoadedMap(MapImage image, const std::string& name);
@@ -27,7 +26,7 @@ class LoadedMap {
   std::size_t parameterCount() const noexcept { return map_.parameters().size(); }
   std::size_t inputCount() const noexcept { return map_.inputs().size(); }
 
-  /// The file that is mapped, as an input of checkOutputs. Empty: an image in memory.
+  /// The file that was read, as an input of checkOutputs. Empty: an image in memory.
   std::string file() const { return image_ ? "" : map_.path(); }
 
   /// Writes the map's bytes with writeFileAtomically. Throws Error.
@@ -53,7 +52,6 @@ class LoadedMap {
  private:
   [[noreturn]] void failOutside(const double* theta, LookupStatus status) const;
 
-  MappedFile file_;
   std::optional<MapImage> image_;
   RegionMap map_;
 };

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <ros/callback_queue.h>
-#include <ros/node_handle.h>
 
 #include <atomic>
 #include <chrono>
@@ -12,10 +11,11 @@
 #include <thread>
 
 #include "online_controller/realtime/try_lock.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 
 namespace polyfly_ros {
 
-/// A callback queue that a thread can wait for before it locks and calls.
+/// A callback queue that a thread can wait for before it locks and calls. Its callbacks are guarded (guarded_queue.hpp).
 class WaitableQueue : public ros::CallbackQueue {
  public:
   using Clock = std::chrono::steady_clock;
@@ -30,16 +30,13 @@ class WaitableQueue : public ros::CallbackQueue {
   std::condition_variable added_;
 };
 
-/// The handle, with its callbacks in that queue.
-ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue);
-
 /// The only thread that serves a callback queue. Ends with this.
 class CallbackThread {
  public:
   struct Tasks {
     /// Called first.
     std::function<void()> begin;
-    /// Called once in each period.
+    /// Called once in each period, guarded as callbacks are.
     std::function<void()> tick;
     /// Period of wall time [s].
     double period = 0.05;

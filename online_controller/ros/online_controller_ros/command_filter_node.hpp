@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "online_controller/flight/command_filter.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 
 namespace polyfly_ros {
 
@@ -31,6 +32,7 @@ class CommandFilterNode {
   void answer(const polyfly::AttitudeCommand& wish, const std_msgs::Header& header);
   void report(const polyfly::FilterReport& report, const std_msgs::Header& header);
 
+  GuardedQueue queue_;
   std::unique_ptr<polyfly::CommandFilter> filter_;
   double silence_ = 0.0;  // [s]
   double stale_ = 0.0;    // [s]

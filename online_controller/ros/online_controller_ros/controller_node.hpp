@@ -8,6 +8,7 @@
 #include "online_controller/types/options.hpp"
 #include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/answered.hpp"
+#include "online_controller_ros/autopilot_input.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/command_output.hpp"
 #include "online_controller_ros/config_thread.hpp"
@@ -64,6 +65,8 @@ class ControllerNode {
   Answered& record(const std_msgs::Header& header, const StageTimes& times);
   void finish();
   void swapLaws();
+  void heedAutopilot();
+  void tellOfIdleness() const;
 
   // Guards all that follows, except the configuration thread's members.
   polyfly::TryLock lock_;
@@ -75,6 +78,7 @@ class ControllerNode {
   polyfly::FlightSupervisor flight_;
   FlightRecord record_;
   FlightInterface interface_;
+  AutopilotInput autopilot_;
   CommandOutput output_;
   FlightReporter reporter_;
   // Commands that are answered and not finished.

@@ -51,7 +51,6 @@ class OdometryWatch {
   bool told_of_wall_time_ = false;
   std::string frame_;
   ros::Time stamp_;
-  ros::Time arrival_;
   double age_ = 0.0;
 };
 

@@ -52,7 +52,8 @@ class Controller(node_or_nodelet.Program):
         return self
 
     def exchange(self, change=lambda odometry: None, accept=lambda status: True):
-        """Sends odometry until command and status with its stamp have arrived and the status is accepted."""
+        """Sends odometry until command and status with its stamp have arrived and the status is accepted. Without a reference
+        there is no command."""
         def ask():
             odometry = Odometry()
             odometry.header.frame_id = "world"
@@ -62,8 +63,12 @@ class Controller(node_or_nodelet.Program):
             stamp = odometry.header.stamp
             self.odometry.publish(odometry)
             status = self.statuses.wait(lambda m: m.header.stamp == stamp, node_or_nodelet.RETRY)
+            if not status or not accept(status):
+                return None
+            if status.status == ControllerStatus.NO_REFERENCE:
+                return None, status
             command = self.commands.wait(lambda m: m.header.stamp == stamp, node_or_nodelet.RETRY)
-            return (command, status) if status and command and accept(status) else None
+            return (command, status) if command else None
 
         return self.answer(ask)
 

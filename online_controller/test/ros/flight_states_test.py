@@ -6,9 +6,10 @@ import sys
 
 import rospy
 import rostest
+from mavros_msgs.msg import ExtendedState, State
 from online_controller.msg import ControllerStatus, FlightStatus, ObserverState
 from sensor_msgs.msg import Joy
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from std_srvs.srv import Empty, Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 from geometry_msgs.msg import Transform
@@ -48,6 +49,8 @@ class Vehicle:
             self.fill(odometry)
 
         command, status = self.controller.exchange(change)
+        if command is None:
+            return command, status
         self.roll, self.pitch = command.roll, command.pitch
         thrust = command.thrust.z / MASS
         pull = (thrust * self.pitch, -thrust * self.roll, thrust * math.cos(self.roll) * math.cos(self.pitch) - GRAVITY)
@@ -122,10 +125,57 @@ class FlightStatesTest(MapsFixture):
         command, status = vehicle.step()
         self.assertEqual(command.thrust.z, 0.0)
         self.assertEqual(status.status, ControllerStatus.MOTORS_OFF)
+        self.assertIsNotNone(self.names.wait(lambda m: m.data == "Landed"))
         self.assertEqual([m.data for m in self.names.messages],
                          ["Inactive", "TakeOff", "PositionHold", "Landing", "Landed"])
         controller.pose.publish(pose_at(0.0, 0.0, 1.0))
         self.assertIsNotNone(self.states.wait(lambda m: "take off first" in m.reference))
+
+    def autopilot(self, controller, vehicle):
+        """A function that tells what the autopilot does until a status is accepted."""
+        states = controller.publisher("mavros/state", State)
+        places = controller.publisher("mavros/extended_state", ExtendedState)
+
+        def told(armed, guided, place, accept):
+            def ask():
+                stamp = rospy.Time.now()
+                states.publish(State(header=Header(stamp=stamp), connected=True, armed=armed, guided=guided))
+                places.publish(ExtendedState(header=Header(stamp=stamp), landed_state=place))
+                status = vehicle.step()[1]
+                return status if accept(status) else None
+
+            return controller.answer(ask)
+
+        return told
+
+    def test_a_node_that_begins_in_flight_holds_while_guided(self):
+        controller, vehicle = self.begin()
+        vehicle.position[2] = 5.0
+        told = self.autopilot(controller, vehicle)
+        for _ in range(20):
+            self.assertEqual(vehicle.step()[1].status, ControllerStatus.NO_REFERENCE)
+        self.assertEqual(controller.commands.messages, [])
+        for _ in range(2):
+            told(True, True, ExtendedState.LANDED_STATE_IN_AIR, lambda s: s.status == ControllerStatus.OPTIMAL)
+            self.assertIsNotNone(self.states.wait(lambda m: m.name == "PositionHold"))
+            told(True, False, ExtendedState.LANDED_STATE_IN_AIR, lambda s: s.status == ControllerStatus.NO_REFERENCE)
+            sent = len(controller.commands.messages)
+            vehicle.step()
+            self.assertEqual(len(controller.commands.messages), sent)
+        controller.process.terminate()
+        self.assertIn("MPC sends nothing", controller.output_at_end())
+
+    def test_the_stream_before_offboard_is_zero_thrust_on_the_ground(self):
+        controller, vehicle = self.begin({"control_interface/offboard_stream": True})
+        told = self.autopilot(controller, vehicle)
+        vehicle.step()
+        self.assertEqual(controller.commands.messages, [])  # nothing is known yet
+        for armed in (False, True):
+            status = told(armed, True, ExtendedState.LANDED_STATE_ON_GROUND,
+                          lambda s: s.reason == ControllerStatus.REASON_ON_GROUND)
+            self.assertEqual(status.status, ControllerStatus.NO_REFERENCE)
+            command = controller.commands.wait(lambda m: m.header.stamp == status.header.stamp)
+            self.assertEqual((command.roll, command.pitch, command.yaw_rate, command.thrust.z), (0.0, 0.0, 0.0, 0.0))
 
     def test_remote_control_takes_the_vehicle_and_gives_it_back(self):
         controller, vehicle = self.begin({"control_interface/rc_timeout": 0.0})

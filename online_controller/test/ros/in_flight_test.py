@@ -4,6 +4,7 @@ the names of mav_control_rw. Launched by in_flight.test with the argument node o
 
 import math
 import os
+import shutil
 import subprocess
 import sys
 import unittest
@@ -131,6 +132,39 @@ class InFlightTest(MapsFixture):
             command, status = controller.exchange(accept=is_optimal)
             self.assertAlmostEqual(status.lateral.input, gain * 0.3 * -0.3, places=9)
         self.assertFalse(lateral("firmer.map", most_change=0.001).success)
+
+    def test_maps_in_force_stay_whatever_happens_to_their_files(self):
+        maps = {axis: shutil.copy(path, os.path.join(self.folder.name, "flown_%s.map" % axis))
+                for axis, path in self.maps.items()}
+        controller = self.fly({"controller/offset_free": False}, maps)  # the vehicle does not move
+        controller.pose.publish(pose_at(0.0, 0.3, 0.0))
+        before, _ = controller.exchange(accept=is_optimal)
+        good, firmer = (open(os.path.join(self.folder.name, name + ".map"), "rb").read() for name in ("lateral", "firmer"))
+        swap = rospy.ServiceProxy(controller.namespace + "/swap_maps", SwapMaps)
+        swap.wait_for_service(PATIENCE)
+        huge = os.path.join(self.folder.name, "huge.map")
+        with open(huge, "wb") as file:
+            file.write(good)
+            file.truncate(20 * 10**9)  # of which the disk holds little
+        # As `cp` over it does, in each of its states: another map, half of it, nothing, garbage.
+        for content in (firmer, firmer[:len(firmer) // 2], b"", b"\xff" * len(good)):
+            with open(maps["lateral"], "r+b") as file:
+                file.truncate(len(content))
+                file.write(content)
+            for _ in range(3):
+                command, status = controller.exchange()
+                self.assertEqual((status.status, command.roll), (ControllerStatus.OPTIMAL, before.roll))
+            if content != firmer:
+                answer = swap(lateral=maps["lateral"])
+                self.assertFalse(answer.success)
+                self.assertIn("the maps in force stay", answer.message)
+        for path, rule in ((huge, "is too long: 20000000000 bytes"), (self.folder.name, "is a directory"),
+                           ("/dev/zero", "is not a regular file")):
+            self.assertIn(rule, swap(lateral=path).message)
+        with open(maps["lateral"], "wb") as file:
+            file.write(firmer)
+        self.assertTrue(swap(lateral=maps["lateral"]).success)
+        self.assertIsNone(controller.process.poll())
 
     def test_robust_maps_are_swapped_and_outside_of_them_the_violation_is_least(self):
         def at(name):

@@ -7,6 +7,7 @@
 #include <ros/subscription_callback_helper.h>
 #include <ros/subscription_queue.h>
 #include <ros/this_node.h>
+#include <ros/time.h>
 #include <std_msgs/UInt32.h>
 
 #include <atomic>
@@ -113,8 +114,8 @@ TEST_F(InlineCallbackQueueTest, ACallbackThatCannotBeCalledNowIsLeft) {
 }
 
 TEST_F(InlineCallbackQueueTest, TheLockIsFreeAfterAnException) {
-  EXPECT_THROW(queue.addCallback(callback([] { throw std::runtime_error("no"); }), kOwner),
-               std::runtime_error);
+  ros::Time::init();  // the error message has a time
+  queue.addCallback(callback([] { throw std::runtime_error("no"); }), kOwner);
   EXPECT_FALSE(queue.runsInline());
   EXPECT_TRUE(lock.try_lock());
 }

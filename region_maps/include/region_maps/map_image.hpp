@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "region_maps/aligned_bytes.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -20,15 +20,10 @@ class MapImage {
   RegionMap view(const std::string& name) const;
 
   /// A copy of the bytes, as writeFileAtomically takes them.
-  std::vector<std::byte> bytes() const { return {place_.get(), place_.get() + size_}; }
+  std::vector<std::byte> bytes() const { return {bytes_.data(), bytes_.data() + bytes_.size()}; }
 
  private:
-  struct Release {
-    void operator()(std::byte* place) const noexcept;
-  };
-
-  std::size_t size_ = 0;
-  std::unique_ptr<std::byte, Release> place_;
+  AlignedBytes bytes_;
 };
 
 }  // namespace polyfly

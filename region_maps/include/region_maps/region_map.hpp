@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -37,14 +38,20 @@ struct LeafView {
   }
 };
 
-/// A region map file, read in place. Opening checks the whole file once: sizes, alignment, every index, finiteness,
+/// For RegionMap::open [bytes]: no limit, and the largest map that a node flies. Three such maps in force and three to
+/// come take at most 3 GiB with their indices.
+constexpr std::uint64_t kAnySize = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kGreatestFlownMap = std::uint64_t{256} << 20;
+
+/// A region map file in memory. Look-ups read its bytes as they lie in the file. Opening checks the whole file once: sizes, alignment, every index, finiteness,
 /// checksum. It throws polyfly::Error with the file and the rule that it breaks. Afterwards a look-up only tests its
 /// own input. Look-ups allocate nothing and may run concurrently. Moves, does not copy; a map that was moved from may
 /// only be assigned to or destroyed.
 class RegionMap {
  public:
-  /// Maps the file into memory. Throws Error.
-  static RegionMap open(const std::string& path);
+  /// Reads the file once into memory. What happens to the file afterwards does not reach the map. A file of more than
+  /// `most_bytes` is refused before memory is taken for it. Throws Error.
+  static RegionMap open(const std::string& path, std::uint64_t most_bytes = kAnySize);
 
   /// Reads `size` bytes at `data`, which must be 64-byte aligned and outlive the map; `name` is used
   /// in errors. Throws Error.

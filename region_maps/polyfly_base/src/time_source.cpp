@@ -18,7 +18,7 @@ void TimeSource::advance(double ros, double wall) noexcept {
   }
   if (!simulated_ || !heard_) return;
   const bool never_came = ros == 0.0;
-  const bool odometry_goes_on = greatest_stamp_ - first_stamp_ >= kStandstill;
+  const bool odometry_goes_on = advance_ >= kStandstill;
   by_wall_ = wall - first_wall_ >= kStandstill && (never_came || odometry_goes_on);
   if (!by_wall_) return;
   silence_ = wall - last_wall_;
@@ -27,15 +27,21 @@ void TimeSource::advance(double ros, double wall) noexcept {
 
 void TimeSource::onOdometry(double ros, double wall, double stamp) noexcept {
   advance(ros, wall);
+  const double step = stamp - last_stamp_;
+  const bool follows = step >= 0.0 && step <= kGreatestStep;
   if (!heard_) {
     heard_ = true;
     first_wall_ = wall;
-    first_stamp_ = greatest_stamp_ = stamp;
+    advance_ = 0.0;
+  } else if (follows) {
+    advance_ += step;
   }
-  greatest_stamp_ = std::max(greatest_stamp_, stamp);
+  last_stamp_ = stamp;
   last_wall_ = wall;
   // The clock that came with this odometry may be on its way still.
   since_ = simulated_ ? std::clamp(stamp, ros, ros + kStandstill) : ros;
+  const bool leads = simulated_ && (ros == 0.0 || follows);
+  arrival_ = leads ? std::max(ros, stamp) : since_;
   silence_ = 0.0;
 }
 

@@ -76,6 +76,28 @@ TEST(TimeSource, WallTimeDecidesWhereOdometryGoesOnAndTheClockStands) {
   EXPECT_NEAR(clocks.source.ahead(), 2.0 * kLong, 2.0 * kPeriod);
 }
 
+TEST(TimeSource, AStampThatJumpsIsNoAdvanceAndNoArrival) {
+  for (const double wrong : {0.0, 2147483648.0, 4294967295.0}) {
+    Clocks clocks = running();
+    clocks.source.onOdometry(clocks.ros, clocks.wall, wrong);
+    EXPECT_NEAR(clocks.source.arrival(), clocks.ros, TimeSource::kStandstill);
+    clocks.source.onOdometry(clocks.ros, clocks.wall, clocks.stamp);
+    EXPECT_NEAR(clocks.source.arrival(), clocks.ros, kPeriod);
+    clocks.go(kLong, false, false);
+    EXPECT_FALSE(clocks.source.byWall());  // the simulation is paused
+  }
+}
+
+TEST(TimeSource, WhereTheClockIsDeadOdometryArrivesAtItsStamp) {
+  Clocks clocks;
+  clocks.stamp = 3e9;
+  clocks.go(kLong, false, true);
+  EXPECT_EQ(clocks.source.arrival(), clocks.stamp);
+  Clocks later = running();
+  later.go(kLong, false, true);
+  EXPECT_EQ(later.source.arrival(), later.stamp);
+}
+
 TEST(TimeSource, APausedSimulationStaysPaused) {
   Clocks clocks = running();
   clocks.go(kLong, false, false);

@@ -7,6 +7,7 @@
 #include <std_msgs/Bool.h>
 
 #include "excitation/flight.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 
 namespace polyfly_ros {
 
@@ -26,6 +27,7 @@ class ExciteNode {
   void publishCommand(const polyfly::AttitudeCommand& command, const ros::Time& stamp, double yaw);
   void publishState();
 
+  GuardedQueue queue_;
   polyfly::ExcitationOptions options_;
   bool engaged_ = false;
   bool shutdown_when_done_ = false;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "polyfly_ros/guarded_queue.hpp"
 #include "region_maps/region_map.hpp"
 #include "validation/map_use.hpp"
 
@@ -35,6 +36,7 @@ class CoverageNode {
   void publish() const;
   void writeSummary() const;
 
+  GuardedQueue queue_;
   std::array<std::unique_ptr<polyfly::RegionMap>, 3> maps_;
   std::array<std::unique_ptr<polyfly::MapUseCounter>, 3> counters_;
   std::array<std::size_t, 3> foreign_{};  // samples with another number of parameters

@@ -7,7 +7,7 @@
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/file_draft.hpp"
-#include "region_maps/mapped_file.hpp"
+#include "region_maps/read_file.hpp"
 #include "support/byte_stream.hpp"
 
 // Compiles XXH64 into this file; nothing to link.
@@ -33,7 +33,7 @@ struct Header {
   std::uint64_t described;
   std::uint64_t regions;
 };
-static_assert(sizeof(Header) == 64);
+static_assert(sizeof(Header) == 64 && sizeof(Header) <= kHeadBytes);
 
 std::uint64_t hashOf(const std::vector<std::byte>& bytes) { return XXH64(bytes.data(), bytes.size(), 0); }
 
@@ -110,25 +110,20 @@ class Payload {
   throw Error(path + ": " + rule);
 }
 
-Header readHeader(const std::string& path, const MappedFile& file, std::uint64_t fingerprint) {
+Header readHeader(const void* head, std::uint64_t file_size, const std::string& path) {
   Header header = {};
-  if (file.size() < sizeof header) refuse(path, "is no checkpoint: too short");
-  const auto* const bytes = static_cast<const std::byte*>(file.data());
-  std::memcpy(&header, bytes, sizeof header);
+  if (file_size < sizeof header) refuse(path, "is no checkpoint: too short");
+  std::memcpy(&header, head, sizeof header);
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) refuse(path, "is no checkpoint");
   if (header.byte_order != kByteOrder) refuse(path, "was written on a machine of another byte order");
   if (header.version != kVersion) {
     refuse(path, "is a checkpoint of version " + std::to_string(header.version) + ", not " +
                      std::to_string(kVersion));
   }
-  if (header.file_size != file.size()) {
-    refuse(path, "is cut off or has grown: " + std::to_string(file.size()) + " bytes instead of " +
+  if (header.file_size != file_size) {
+    refuse(path, "is cut off or has grown: " + std::to_string(file_size) + " bytes instead of " +
                      std::to_string(header.file_size));
   }
-  if (header.checksum != checksum(header, hashPieces(bytes + sizeof header, file.size() - sizeof header))) {
-    refuse(path, "is damaged: its checksum is wrong");
-  }
-  if (header.fingerprint != fingerprint) refuse(path, "belongs to another problem, or to other tolerances");
   return header;
 }
 
@@ -216,10 +211,15 @@ void saveCheckpoint(const std::string& path, std::uint64_t fingerprint, const Ex
 
 void loadCheckpoint(const std::string& path, std::uint64_t fingerprint, const NormalisedProgram& program,
                     ExplorationState& state) {
-  const MappedFile file(path);
-  const Header header = readHeader(path, file, fingerprint);
-  ByteReader in(static_cast<const std::byte*>(file.data()) + sizeof header, file.size() - sizeof header,
-                path);
+  Header header = {};
+  const AlignedBytes file = readFile(
+      path, [&](const void* head, std::uint64_t file_size) { header = readHeader(head, file_size, path); });
+  const std::byte* const payload = file.data() + sizeof header;
+  const std::size_t payload_size = file.size() - sizeof header;
+  if (header.checksum != checksum(header, hashPieces(payload, payload_size)))
+    refuse(path, "is damaged: its checksum is wrong");
+  if (header.fingerprint != fingerprint) refuse(path, "belongs to another problem, or to other tolerances");
+  ByteReader in(payload, payload_size, path);
   state.degenerate_facets = in.get<std::uint64_t>();
   state.pivots = in.get<std::uint64_t>();
   state.failed = in.get<std::uint64_t>() != 0;

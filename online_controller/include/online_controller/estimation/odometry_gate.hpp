@@ -9,7 +9,8 @@ namespace polyfly {
 /// Lets through the odometry that one vehicle can have flown. A sample is refused when it
 /// - is not valid (kNotFinite, see isValid);
 /// - repeats itself while the vehicle must be moving (kStale, see RepeatCheck): it counts as silence;
-/// - bears a stamp before that of the last accepted one (kOutOfOrder);
+/// - bears a stamp before that of the last accepted one, or more than a second after the last one in time without a
+///   silence between them (kOutOfOrder);
 /// - lies further from the last accepted one than its velocities, 20 m/s^2 and jump_distance explain (kJump);
 /// - is an outlier of the attitude (kJump): turned by more than 20 rad/s^2 and jump_angle explain, from where
 ///   the attitude was and from where the body rates have led it since.
@@ -26,6 +27,8 @@ class OdometryGate {
     ControlReason refusal = ControlReason::kNone;
     /// True when the sample is accepted, but does not continue from the last accepted one.
     bool restarted = false;
+    /// Where time began anew with it: its stamp minus that of the last accepted one; else 0 [s].
+    double time_jump = 0.0;
   };
 
   explicit OdometryGate(const MultirotorOptions& options) noexcept : options_(options) {}
@@ -34,6 +37,9 @@ class OdometryGate {
   void setOptions(const MultirotorOptions& options) noexcept { options_ = options; }
 
   Verdict check(const VehicleState& state) noexcept;
+
+  /// Odometry is silent: the next stamp may lie any time after the last one.
+  void noteSilence() noexcept { silent_ = true; }
 
   /// See RepeatCheck::commanded.
   void commanded(const AttitudeCommand& command) noexcept { repeat_.commanded(command, options_); }
@@ -57,6 +63,8 @@ class OdometryGate {
   // Integral of the velocities since first_candidate_ [m].
   Eigen::Vector3d candidate_way_ = Eigen::Vector3d::Zero();
   bool started_ = false;
+  // True when there was silence since the last accepted sample.
+  bool silent_ = false;
   // Number of refused samples in a row that agree.
   int agreeing_ = 0;
 };

@@ -61,8 +61,12 @@ enum class FlightEvent : std::uint8_t {
   kNoAnswer = 15,
   /// The law answers again.
   kRecovered = 16,
+  /// The autopilot takes set-points in the air, and holds as long as nothing else is asked for.
+  kGuided = 17,
+  /// That has ended.
+  kGuidedEnded = 18,
 };
-constexpr int kFlightEventCount = 17;
+constexpr int kFlightEventCount = 19;
 
 /// What a transition depends on besides state and event.
 struct FlightSituation {
@@ -82,6 +86,9 @@ struct FlightTransition {
 };
 
 FlightTransition transition(FlightState state, FlightEvent event, const FlightSituation& situation) noexcept;
+
+/// Whether a person or a planner asks for it. Everything else comes of itself.
+bool isRequest(FlightEvent event) noexcept;
 
 /// `Inactive`, `TakeOff`, `PositionHold`, `Trajectory`, `RemoteControl`, `RcTeleOp`, `Landing`, `Landed`,
 /// `Failsafe`: those that mav_control_rw has bear its names.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "online_controller/estimation/odometry_gate.hpp"
+#include "online_controller/flight/autopilot.hpp"
 #include "online_controller/flight/flight_state.hpp"
 #include "online_controller/flight/remote_control.hpp"
 #include "online_controller/laws/law_switch.hpp"
@@ -39,8 +40,12 @@ class FlightSupervisor {
   /// One control period of silence, which has been long enough, at time `now` [s].
   const ControlReport& onSilence(double now) noexcept;
 
-  /// The time [s], in every control period: a remote control that has gone silent is noticed here.
+  /// The time [s], in every control period: a remote control that has gone silent is noticed here, and a pause of the
+  /// odometry.
   void onTime(double now) noexcept;
+
+  /// What the autopilot says, in every control period before onOdometry or onSilence. Without it nothing is known.
+  void onAutopilot(const AutopilotReport& report) noexcept;
 
   /// The sticks at time `now` [s]. True when the command of report() is to be sent: manual mode.
   bool onRemoteControl(const RemoteControl& sticks, double now) noexcept;
@@ -89,7 +94,10 @@ class FlightSupervisor {
   const ControlReport& report() const noexcept { return *report_; }
 
   /// Whether the command of report() is to be sent.
-  bool sends() const noexcept { return report_->status != ControlStatus::kStopped; }
+  bool sends() const noexcept {
+    return report_->status != ControlStatus::kStopped &&
+           (report_->status != ControlStatus::kNoReference || streams_);
+  }
 
   /// What the law tracked in its last step, lead() after the sample's time and at each previewPeriod() after that:
   /// previewNeeded() of them.
@@ -110,6 +118,7 @@ class FlightSupervisor {
 
   const ControlReport& refuse(double stamp, ControlReason reason) noexcept;
   const ControlReport& idle(double stamp) noexcept;
+  const ControlReport& followVehicle() noexcept;
   const ControlReport& manual(double stamp) noexcept;
   const ControlReport& fly(const VehicleState& state) noexcept;
   void watchTask(const VehicleState& state) noexcept;
@@ -133,6 +142,10 @@ class FlightSupervisor {
   unsigned changes_ = 0;
 
   OdometryGate gate_;
+  // True when odometry came since the last onTime.
+  bool heard_ = false;
+  // Time of the first onTime after the last odometry [s].
+  double heard_time_ = 0.0;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
   // Last accepted odometry.
@@ -152,6 +165,14 @@ class FlightSupervisor {
   Reference held_;
   // Number of control periods in which a landing vehicle seemed to stand.
   int standing_ = 0;
+
+  AutopilotHistory autopilot_;
+  // What is sent while nothing has started the flight.
+  IdleCommand idle_command_ = IdleCommand::kNothing;
+  // True when kGuided began what the vehicle does, and nothing else was asked for since.
+  bool guided_hold_ = false;
+  // True when the last command without a reference is for an autopilot that is not guided yet.
+  bool streams_ = false;
 
   RemoteControl sticks_;
   double sticks_time_ = 0.0;  // [s]

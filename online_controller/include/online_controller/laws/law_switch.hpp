@@ -62,7 +62,7 @@ class LawSwitch {
     current().prepare();
   }
 
-  /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
+  /// While there is nothing to track, level attitude and hover thrust (kNoReference). `stamp` is the odometry's.
   const ControlReport& stepWithoutReference(double stamp) noexcept;
 
   /// In place of step() when the sample cannot be used: the next level of the FailsafePolicy.

@@ -50,6 +50,9 @@ class ReferenceSchedule {
   /// Starts at `time` [s] what has no start of its own, and drops what is over. Does not allocate.
   void advance(double time) noexcept;
 
+  /// Time began anew, `seconds` later: what a sample started goes on from where it was. Does not allocate.
+  void shift(double seconds) noexcept;
+
   /// The reference at `time` [s], nothing before the first trajectory. Does not allocate.
   std::optional<Reference> sample(double time) noexcept;
 
@@ -64,6 +67,8 @@ class ReferenceSchedule {
   struct Entry {
     ReferenceTrajectory trajectory;
     std::optional<double> start;
+    /// Whether a sample started it.
+    bool by_sample = false;
     /// Time of the first point [s].
     double begin() const noexcept { return *start + trajectory.startTime(); }
   };

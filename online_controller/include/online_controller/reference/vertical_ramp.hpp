@@ -16,6 +16,9 @@ class VerticalRamp {
   /// From `start` down at `speed` [m/s], reached within the first second, for ever.
   static VerticalRamp down(const Reference& start, double time, double speed) noexcept;
 
+  /// Time began anew, `seconds` later: the ramp goes on from where it was.
+  void shift(double seconds) noexcept { time_ += seconds; }
+
   Reference at(double time) const noexcept;
   /// End of the way up [s].
   double end() const noexcept { return time_ + duration_; }

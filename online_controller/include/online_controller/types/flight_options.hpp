@@ -37,8 +37,9 @@ struct FlightOptions {
   double rc_timeout = 1.0;
   /// True: after a failsafe the interrupted task goes on. False: the vehicle holds where it is.
   bool resume = true;
-  /// True: hover thrust is sent before anything has started the vehicle. False: nothing is sent.
-  bool idle_publishes = true;
+  /// True: before anything has started the vehicle, its autopilot gets the set-points that it needs to become guided, see
+  /// idleCommand().
+  bool offboard_stream = false;
   ReferenceLimits reference_limits;
 };
 
@@ -65,7 +66,7 @@ void visitFlightOptions(Options& options, Visit&& visit) {
   visit("control_interface/stick_deadzone", options.stick_deadzone, "1", Range{0.0, 0.9});
   visit("control_interface/rc_timeout", options.rc_timeout, "s", Range{0.0, 1000.0});
   visit("control_interface/resume", options.resume);
-  visit("control_interface/idle_publishes", options.idle_publishes);
+  visit("control_interface/offboard_stream", options.offboard_stream);
   visitReferenceLimits(options.reference_limits, visit);
 }
 

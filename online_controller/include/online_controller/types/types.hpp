@@ -56,11 +56,11 @@ enum class ControlStatus : std::uint8_t {
   kHoldLast = 2,
   /// No answer for longer: level attitude, hover thrust.
   kLevel = 3,
-  /// Nothing to track yet: level attitude, hover thrust.
+  /// Nothing to track yet: nothing is sent, or what an autopilot needs that is not guided yet.
   kNoReference = 4,
   /// No answer for longer than at kLevel: level attitude, less than hover thrust.
   kDescend = 5,
-  /// Nothing is sent any more, or yet.
+  /// Nothing is sent any more.
   kStopped = 6,
   /// Command of the pilot's sticks, without a law.
   kManual = 7,

@@ -11,6 +11,8 @@ namespace {
 constexpr double kGreatestAcceleration = 20.0;
 // Greatest angular acceleration, beyond what the vehicle's rates say [rad/s^2].
 constexpr double kGreatestAngularAcceleration = 20.0;
+// Longest time between two samples without a silence [s].
+constexpr double kGreatestGap = 1.0;
 // Least velocity difference that shows positions and velocities of different frames [m/s].
 constexpr double kOtherWay = 0.2;
 constexpr double kPi = 3.14159265358979323846;
@@ -72,30 +74,38 @@ bool OdometryGate::isElsewhere() const noexcept {
 }
 
 OdometryGate::Verdict OdometryGate::check(const VehicleState& state) noexcept {
-  if (!isValid(state)) return {ControlReason::kNotFinite, false};
-  if (repeat_.repeats(state, options_.repeat_time)) return {ControlReason::kStale, false};
+  const ControlReason unusable = !isValid(state)                                ? ControlReason::kNotFinite
+                                 : repeat_.repeats(state, options_.repeat_time) ? ControlReason::kStale
+                                                                                : ControlReason::kNone;
+  if (unusable != ControlReason::kNone) {
+    silent_ = true;
+    return {unusable};
+  }
   ControlReason refusal = started_ ? compare(last_, state) : ControlReason::kNone;
+  if (started_ && !silent_ && state.stamp - led_.stamp > kGreatestGap) refusal = ControlReason::kOutOfOrder;
   const bool turned = started_ && hasTurned(led_, state);
   if (turned && refusal == ControlReason::kNone) refusal = ControlReason::kJump;
-  bool restarted = false;
+  Verdict verdict;
   if (refusal != ControlReason::kNone) {
     const bool agrees =
         agreeing_ > 0 && compare(candidate_, state) == ControlReason::kNone && !hasTurned(candidate_, state);
     addCandidate(state, agrees);
     const int wait = options_.hold_periods + (turned ? options_.level_periods : 0);
     if (agreeing_ <= wait || (turned && isElsewhere())) {
-      if (state.stamp < led_.stamp) return {refusal, false};
+      if (state.stamp < led_.stamp || refusal == ControlReason::kOutOfOrder) return {refusal};
       const Eigen::Quaterniond attitude = turned ? ledAttitude(led_, state) : state.attitude;
       led_ = state;
       led_.attitude = attitude;
-      return {refusal, false};
+      return {refusal};
     }
-    restarted = true;
+    verdict.restarted = true;
+    if (refusal == ControlReason::kOutOfOrder) verdict.time_jump = state.stamp - last_.stamp;
   }
   last_ = led_ = state;
   started_ = true;
+  silent_ = false;
   agreeing_ = 0;
-  return {ControlReason::kNone, restarted};
+  return verdict;
 }
 
 }  // namespace polyfly

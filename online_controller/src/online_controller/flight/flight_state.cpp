@@ -31,6 +31,8 @@ constexpr std::array<const char*, kFlightEventCount> kEventWords{
     "odometry is not usable",
     "the law has no answer",
     "the law answers again",
+    "the autopilot is guided in the air",
+    "the autopilot is not guided in the air any more",
 };
 
 constexpr const char* kPilotHasIt = "the remote control has the vehicle";
@@ -153,8 +155,17 @@ FlightTransition transition(State state, Event event, const FlightSituation& sit
       return {lawFlies(state) ? State::kFailsafe : state};
     case Event::kRecovered:
       return {state == State::kFailsafe ? situation.interrupted : state};
+    case Event::kGuided:
+      return {state == State::kInactive && !situation.pilot ? State::kPositionHold : state};
+    case Event::kGuidedEnded:
+      return {state == State::kPositionHold || state == State::kFailsafe ? State::kInactive : state};
   }
   return {state};
+}
+
+bool isRequest(Event event) noexcept {
+  return event == Event::kPose || event == Event::kTrajectory || event == Event::kTakeOff ||
+         event == Event::kHold || event == Event::kLand;
 }
 
 const char* flightStateName(State state) noexcept { return kStateNames[static_cast<std::size_t>(state)]; }

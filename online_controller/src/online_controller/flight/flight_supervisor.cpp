@@ -11,6 +11,8 @@ namespace polyfly {
 namespace {
 
 constexpr double kHoverSpeed = 0.3;  // [m/s]
+// Time without odometry after which its next stamp may lie any time later [s].
+constexpr double kLongPause = 0.5;
 // Greatest number of references that a law made from other options may read.
 constexpr int kMostReferences = 128;
 
@@ -53,6 +55,7 @@ FlightSituation FlightSupervisor::situation() const noexcept {
 const char* FlightSupervisor::handle(FlightEvent event) noexcept {
   const FlightTransition next = transition(state_, event, situation());
   if (next.refusal != nullptr) return next.refusal;
+  if (isRequest(event)) guided_hold_ = false;
   if (next.to != state_) {
     enter(next.to, event);
   } else if (event == FlightEvent::kHold || event == FlightEvent::kPose) {
@@ -68,7 +71,9 @@ void FlightSupervisor::enter(FlightState to, FlightEvent cause) noexcept {
     holding_here_ = false;
   } else if (cause != FlightEvent::kRecovered) {
     startTask(to, cause);
+    guided_hold_ = cause == FlightEvent::kGuided;
   }
+  streams_ = false;
   state_ = to;
   cause_ = cause;
   ++changes_;
@@ -102,6 +107,8 @@ void FlightSupervisor::startTask(FlightState task, FlightEvent cause) noexcept {
       references_.hold(held_.position, held_.yaw);
       break;
     case FlightState::kInactive:
+      references_.clear();
+      break;
     case FlightState::kTrajectory:
     case FlightState::kRemoteControl:
     case FlightState::kLanded:
@@ -120,9 +127,10 @@ Reference FlightSupervisor::stop() const noexcept {
 
 const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, bool frame_fits) noexcept {
   const VehicleState state = aligned(reported, vehicle_.heading_misalignment);
-  OdometryGate::Verdict verdict;
-  verdict.refusal = ControlReason::kWrongFrame;
+  heard_ = true;
+  OdometryGate::Verdict verdict{ControlReason::kWrongFrame};
   if (frame_fits) verdict = gate_.check(state);
+  if (!frame_fits) gate_.noteSilence();
   refused_ = verdict.refusal;
   if (verdict.refusal == ControlReason::kStale) return onSilence(state.stamp);
   if (verdict.refusal != ControlReason::kNone) {
@@ -132,13 +140,18 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, 
   }
   restarted_ = verdict.restarted;
   if (restarted_) law_->forget(LawMemory::kObserver);
+  references_.shift(verdict.time_jump);
+  ramp_.shift(verdict.time_jump);
   last_ = state;
   fresh_ = true;
   if (!located_) checkEarlyReferences();
+  if (idle_command_ == IdleCommand::kHold) handle(FlightEvent::kGuided);
   switch (state_) {
     case FlightState::kInactive:
     case FlightState::kLanded:
-      report_ = &idle(state.stamp);
+      report_ = idle_command_ == IdleCommand::kFollow && state_ == FlightState::kInactive
+                    ? &followVehicle()
+                    : &idle(state.stamp);
       break;
     case FlightState::kRemoteControl:
       report_ = &manual(state.stamp);
@@ -263,10 +276,10 @@ const ControlReport& FlightSupervisor::refuse(double stamp, ControlReason reason
 
 const ControlReport& FlightSupervisor::onSilence(double now) noexcept {
   fresh_ = false;
+  gate_.noteSilence();
   if (state_ == FlightState::kRemoteControl) {
     report_ = &manual(now);
-  } else if (state_ == FlightState::kLanded ||
-             (state_ == FlightState::kInactive && !options_.idle_publishes)) {
+  } else if (state_ == FlightState::kLanded || state_ == FlightState::kInactive) {
     report_ = &idle(now);
   } else {
     report_ = &law_->onSilence(now);
@@ -276,12 +289,28 @@ const ControlReport& FlightSupervisor::onSilence(double now) noexcept {
 }
 
 const ControlReport& FlightSupervisor::idle(double stamp) noexcept {
-  if (state_ == FlightState::kInactive && options_.idle_publishes) return law_->stepWithoutReference(stamp);
+  streams_ = state_ == FlightState::kInactive && idle_command_ == IdleCommand::kZeroThrust;
+  if (state_ == FlightState::kInactive && !streams_) return law_->stepWithoutReference(stamp);
   own_ = ControlReport{};
   own_.stamp = stamp;
-  own_.status = state_ == FlightState::kLanded ? ControlStatus::kMotorsOff : ControlStatus::kStopped;
+  own_.status = state_ == FlightState::kLanded ? ControlStatus::kMotorsOff : ControlStatus::kNoReference;
   own_.reason = ControlReason::kOnGround;
   return own_;
+}
+
+const ControlReport& FlightSupervisor::followVehicle() noexcept {
+  std::fill(preview_.begin(), preview_.end(), stop());
+  own_ = law_->step(last_, preview_.data());
+  own_.status = ControlStatus::kNoReference;
+  own_.reason = ControlReason::kNoReference;
+  streams_ = true;
+  return own_;
+}
+
+void FlightSupervisor::onAutopilot(const AutopilotReport& report) noexcept {
+  autopilot_.add(report);
+  idle_command_ = idleCommand(report, autopilot_, options_.offboard_stream);
+  if (guided_hold_ && idle_command_ != IdleCommand::kHold) handle(FlightEvent::kGuidedEnded);
 }
 
 const ControlReport& FlightSupervisor::manual(double stamp) noexcept {
@@ -294,6 +323,8 @@ const ControlReport& FlightSupervisor::manual(double stamp) noexcept {
 }
 
 void FlightSupervisor::onTime(double now) noexcept {
+  if (std::exchange(heard_, false)) heard_time_ = now;
+  if (now - heard_time_ > kLongPause) gate_.noteSilence();
   if (!pilot_ || options_.rc_timeout <= 0.0) return;
   if (now < sticks_time_) sticks_time_ = now;  // simulated time began anew
   if (now - sticks_time_ <= options_.rc_timeout) return;

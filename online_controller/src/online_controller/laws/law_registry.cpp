@@ -38,7 +38,7 @@ MapSet openSet(const std::array<std::string, 3>& paths, const char* robust_law,
                const MultirotorOptions& options) {
   MapSet set;
   if (paths[0].empty()) return set;
-  for (const std::string& path : paths) set.maps.push_back(RegionMap::open(path));
+  for (const std::string& path : paths) set.maps.push_back(RegionMap::open(path, kGreatestFlownMap));
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const AxisNames& names = kAxisNames.at(i);
     set.problems.at(i) = problemOf(set.maps[i], names.axis);

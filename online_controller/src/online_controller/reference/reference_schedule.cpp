@@ -27,7 +27,7 @@ void ReferenceSchedule::set(ReferenceTrajectory trajectory, std::optional<double
   if (!start) {
     // The trajectory in force goes on until the next sample.
     count_ = count_ > 0 ? 2 : 1;
-    last() = {std::move(trajectory), start};
+    last() = {std::move(trajectory), start, !start};
     return;
   }
   const double begin = *start + trajectory.startTime();
@@ -42,7 +42,7 @@ void ReferenceSchedule::set(ReferenceTrajectory trajectory, std::optional<double
       last().trajectory = ReferenceTrajectory::joined(last().trajectory, trajectory, offset);
   }
   ++count_;
-  last() = {std::move(trajectory), start};
+  last() = {std::move(trajectory), start, !start};
 }
 
 ReferenceExcess ReferenceSchedule::findExcess(const Eigen::Vector3d& vehicle,
@@ -58,6 +58,7 @@ void ReferenceSchedule::hold(const Eigen::Vector3d& position, double yaw) noexce
   count_ = 1;
   active().trajectory.becomePose(position, yaw);
   active().start = 0.0;
+  active().by_sample = false;
 }
 
 void ReferenceSchedule::advance(double time) noexcept {
@@ -69,6 +70,12 @@ void ReferenceSchedule::advance(double time) noexcept {
     // The old trajectory is freed by a later call of set, not here.
     ++first_;
     --count_;
+  }
+}
+
+void ReferenceSchedule::shift(double seconds) noexcept {
+  for (std::size_t i = first_; i < first_ + count_; ++i) {
+    if (entries_[i].by_sample && entries_[i].start) *entries_[i].start += seconds;
   }
 }
 

@@ -10,7 +10,7 @@ struct Output {
   enum class Kind {
     /// Written from its first byte to its last. A device or a FIFO is allowed.
     kText,
-    /// Mapped, resumed or written in any order. It must be a file, or not exist yet.
+    /// Read back, resumed or written in any order. It must be a file, or not exist yet.
     kFile,
   };
   enum class Folder { kExists, kIsMade };
