@@ -98,6 +98,8 @@ const char* words(ControlReason reason) {
       return "it does not fly";
     case ControlReason::kPilot:
       return "the remote control has the vehicle";
+    case ControlReason::kContradiction:
+      return "the odometry's velocity does not lead from position to position: flown by the positions";
   }
   return "";
 }

@@ -269,8 +269,7 @@ void FlightInterface::observe(const Answered& answered) {
   tellOfEarlyReferences();
   if (answered.accepted) {
     if (answered.restarted) observer_.restart();
-    if (answered.restarted) velocities_.restart();
-    if (velocities_.contradicts(answered.state)) {
+    if (answered.report.reason == polyfly::ControlReason::kContradiction) {
       ROS_WARN_THROTTLE(
           kTwistInterval,
           "MPC: the odometry's velocity does not lead from position to position: its twist must be "

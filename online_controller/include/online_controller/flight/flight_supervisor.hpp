@@ -135,6 +135,8 @@ class FlightSupervisor {
   OdometryGate gate_;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
+  // True while the velocity is that of the positions.
+  bool contradicts_ = false;
   // Last accepted odometry.
   VehicleState last_;
   // True after the first accepted odometry.

@@ -101,6 +101,8 @@ enum class ControlReason : std::uint8_t {
   kOnGround = 9,
   /// The remote control has the vehicle.
   kPilot = 10,
+  /// Odometry's velocity does not lead from position to position: that of the positions is flown.
+  kContradiction = 11,
 };
 
 constexpr int kMaxParameters = 10;
