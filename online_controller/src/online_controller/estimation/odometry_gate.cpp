@@ -151,7 +151,8 @@ bool OdometryGate::hasCrept(const VehicleState& state) const noexcept {
 }
 
 bool OdometryGate::isLedTo(const VehicleState& state) const noexcept {
-  return memory_.fits && hasRates(led_) && hasRates(state) && angleBetween(memory_.long_led, state.attitude) <= 0.5 * options_.jump_angle;
+  return memory_.fits && hasRates(led_) && hasRates(state) &&
+         angleBetween(memory_.long_led, state.attitude) <= 0.5 * options_.jump_angle;
 }
 
 // Odometry of 20 Hz that is published at 100 Hz may keep its stamp for a while.
@@ -190,7 +191,8 @@ void OdometryGate::accept(const VehicleState& state, bool restarted, bool attitu
   if (!started_ || restarted || elapsed > kLongestGap || !hasRates(state)) memory_.begin(state.attitude);
   if (attitude_restarted) {
     memory_.trusted = false;
-  } else if (memory_.fits && hasRates(state) && angleBetween(memory_.long_led, state.attitude) <= 0.5 * options_.jump_angle) {
+  } else if (memory_.fits && hasRates(state) &&
+             angleBetween(memory_.long_led, state.attitude) <= 0.5 * options_.jump_angle) {
     memory_.trusted = true;
   }
   memory_.draw(state.attitude, elapsed);
@@ -221,8 +223,9 @@ OdometryGate::Verdict OdometryGate::check(VehicleState& state) noexcept {
     const int wait = options_.hold_periods + (turned ? options_.level_periods : 0);
     if (agreeing_ <= wait || (turned && isElsewhere())) {
       if (!later) return {refusal, false, false};
-      const Eigen::Quaterniond attitude =
-          !turned ? state.attitude : memory_.trusted ? memory_.led : ledAttitude(led_, state);
+      const Eigen::Quaterniond attitude = !turned           ? state.attitude
+                                          : memory_.trusted ? memory_.led
+                                                            : ledAttitude(led_, state);
       led_ = state;
       led_.attitude = attitude;
       return {refusal, false, false};
