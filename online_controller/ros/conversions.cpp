@@ -99,7 +99,8 @@ const char* words(ControlReason reason) {
     case ControlReason::kPilot:
       return "the remote control has the vehicle";
     case ControlReason::kContradiction:
-      return "the odometry's velocity does not lead from position to position: flown by the positions";
+      return "the odometry contradicts itself: flown by the velocity of its positions, or by the attitude of "
+             "its body rates";
   }
   return "";
 }

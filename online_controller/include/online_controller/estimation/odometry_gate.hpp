@@ -25,6 +25,8 @@ namespace polyfly {
 ///
 /// A velocity that does not lead from position to position, beyond 0.2 m and 20 % of the way in about a second, is
 /// replaced by the filtered differences of the positions (Verdict::contradicts). This covers another sign, unit or frame.
+/// An attitude that leaves where the rates lead, while the velocity of a vehicle above 0.5 m/s goes on, is replaced by
+/// theirs for up to ten seconds: the frame has not turned.
 class OdometryGate {
  public:
   struct Verdict {
@@ -32,7 +34,7 @@ class OdometryGate {
     /// True when the sample is accepted, but does not continue from the last accepted one, or its velocity is
     /// replaced and that one's was not, or the reverse.
     bool restarted = false;
-    /// True when the velocity was replaced.
+    /// True when the velocity or the attitude was replaced.
     bool contradicts = false;
   };
 
@@ -41,7 +43,7 @@ class OdometryGate {
   /// Other options from the next sample on.
   void setOptions(const MultirotorOptions& options) noexcept { options_ = options; }
 
-  /// Judges the next sample, and replaces a velocity that contradicts the positions.
+  /// Judges the next sample, and replaces a velocity or an attitude that contradicts the rest.
   Verdict check(VehicleState& state) noexcept;
 
   /// See RepeatCheck::commanded.
@@ -82,6 +84,8 @@ class OdometryGate {
   bool hasTurned(const VehicleState& before, const VehicleState& state) const noexcept;
   bool hasCrept(const VehicleState& state) const noexcept;
   bool isLedTo(const VehicleState& state) const noexcept;
+  void startLed(const VehicleState& state) noexcept;
+  Verdict flyLed(VehicleState& state) noexcept;
   bool standsStill(double stamp) noexcept;
   void addCandidate(const VehicleState& state, bool agrees) noexcept;
   bool isElsewhere() const noexcept;
@@ -102,6 +106,9 @@ class OdometryGate {
   // Integral of the velocities since first_candidate_ [m].
   Eigen::Vector3d candidate_way_ = Eigen::Vector3d::Zero();
   bool started_ = false;
+  // True while only the attitude is wrong for sure, and that of the rates is flown; since when [s].
+  bool frame_stays_ = false;
+  double led_since_ = 0.0;
   // Number of refused samples in a row that agree.
   int agreeing_ = 0;
   // Number of samples in a row with the stamp of the one before.
@@ -109,7 +116,7 @@ class OdometryGate {
   double stamp_ = 0.0;  // [s]
 };
 
-/// The report on a step by a replaced velocity: not optimal, kContradiction.
+/// The report on a step by a replaced velocity or attitude: not optimal, kContradiction.
 ControlReport byPositions(ControlReport report) noexcept;
 
 }  // namespace polyfly

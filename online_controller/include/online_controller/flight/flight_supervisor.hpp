@@ -135,7 +135,7 @@ class FlightSupervisor {
   OdometryGate gate_;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
-  // True while the velocity is that of the positions.
+  // True while a part of the odometry is replaced, see OdometryGate::Verdict.
   bool contradicts_ = false;
   // Last accepted odometry.
   VehicleState last_;

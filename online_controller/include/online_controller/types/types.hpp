@@ -101,7 +101,7 @@ enum class ControlReason : std::uint8_t {
   kOnGround = 9,
   /// The remote control has the vehicle.
   kPilot = 10,
-  /// Odometry's velocity does not lead from position to position: that of the positions is flown.
+  /// Odometry contradicts itself: the velocity of its positions is flown, or the attitude to which its rates lead.
   kContradiction = 11,
 };
 constexpr int kControlReasonCount = 12;

@@ -19,6 +19,10 @@ constexpr double kShortMemory = 5.0;
 constexpr double kLongMemory = 60.0;
 // Tilt by which rates that fit the attitude do not err [rad].
 constexpr double kOtherTilt = 0.5;
+// Longest time for which the attitude is that of the rates [s].
+constexpr double kLedTime = 10.0;
+// Speed above which a vehicle's velocity tells whether the frame turned [m/s].
+constexpr double kTellingSpeed = 0.5;
 // Greatest rate of a vehicle [rad/s].
 constexpr double kGreatestRate = 20.0;
 // Longest time between two samples over which rates and velocities are integrated [s].
@@ -201,6 +205,23 @@ void OdometryGate::accept(const VehicleState& state, bool restarted, bool attitu
   agreeing_ = 0;
 }
 
+// A frame that turns would turn the velocity of a vehicle that moves.
+void OdometryGate::startLed(const VehicleState& state) noexcept {
+  const double speed = state.velocity.norm();
+  frame_stays_ = speed > kTellingSpeed && (state.velocity - last_.velocity).norm() < 0.5 * speed;
+  led_since_ = state.stamp;
+}
+
+OdometryGate::Verdict OdometryGate::flyLed(VehicleState& state) noexcept {
+  state.attitude = memory_.led;
+  const bool contradicted = way_.contradicts;
+  way_.add(last_, state);
+  const bool changed = way_.contradicts != contradicted;
+  last_ = led_ = state;
+  if (way_.contradicts) state.velocity = way_.velocity;
+  return {ControlReason::kNone, changed, true};
+}
+
 OdometryGate::Verdict OdometryGate::check(VehicleState& state) noexcept {
   if (!isValid(state)) return {ControlReason::kNotFinite, false, false};
   const bool still = standsStill(state.stamp);
@@ -214,6 +235,11 @@ OdometryGate::Verdict OdometryGate::check(VehicleState& state) noexcept {
   const bool jumped = started_ && (hasTurned(led_, state) || (later && hasCrept(state)));
   const bool returned = jumped && later && isLedTo(state);
   const bool turned = jumped && !returned;
+  if (!turned) frame_stays_ = false;
+  if (turned && memory_.trusted && later && refusal == ControlReason::kNone) {
+    if (agreeing_ == 0 && !frame_stays_) startLed(state);
+    if (frame_stays_ && state.stamp - led_since_ <= kLedTime) return flyLed(state);
+  }
   if (turned && refusal == ControlReason::kNone) refusal = ControlReason::kJump;
   bool restarted = returned;
   if (refusal != ControlReason::kNone) {
