@@ -98,6 +98,9 @@ const char* words(ControlReason reason) {
       return "it does not fly";
     case ControlReason::kPilot:
       return "the remote control has the vehicle";
+    case ControlReason::kContradiction:
+      return "the odometry contradicts itself: flown by the velocity of its positions, or by the attitude of "
+             "its body rates";
   }
   return "";
 }

@@ -270,12 +270,11 @@ void FlightInterface::observe(const Answered& answered) {
   tellOfEarlyReferences();
   if (answered.accepted) {
     if (answered.restarted) observer_.restart();
-    if (answered.restarted) velocities_.restart();
-    if (velocities_.contradicts(answered.state)) {
-      ROS_WARN_THROTTLE(
-          kTwistInterval,
-          "MPC: the odometry's velocity does not lead from position to position: its twist must be "
-          "in the body's frame, in m/s");
+    if (answered.report.reason == polyfly::ControlReason::kContradiction) {
+      ROS_WARN_THROTTLE(kTwistInterval,
+                        "MPC: the odometry's velocity does not lead from position to position, or its body "
+                        "rates not to its attitude: "
+                        "its twist must be in the body's frame, in m/s and rad/s");
     }
     observer_.update(answered.state, sent_);
   }

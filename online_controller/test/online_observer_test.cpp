@@ -10,7 +10,6 @@
 #include "allocations.hpp"
 #include "online_controller/estimation/attitude_trim.hpp"
 #include "online_controller/estimation/vehicle_observer.hpp"
-#include "online_controller/estimation/velocity_check.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller/types/flight_options.hpp"
 #include "online_support.hpp"
@@ -39,44 +38,6 @@ struct Tilt {
     angles.pitch = decay * angles.pitch + (1.0 - decay) * kGain * command.pitch;
   }
 };
-
-/// Round a circle of 1 m at `speed`, with the velocity turned by `wrong`, a stamp every 10 ms.
-VehicleState onCircle(double time, double speed, double wrong) {
-  VehicleState state;
-  state.stamp = 100.0 + time;
-  state.position = Eigen::Vector3d(std::cos(speed * time), std::sin(speed * time), 1.0);
-  const double heading = speed * time + 0.5 * M_PI + wrong;
-  state.velocity = speed * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0);
-  return state;
-}
-
-/// When it is first said [s]; -1: never.
-double contradictedAfter(double speed, double wrong) {
-  polyfly::VelocityCheck check;
-  for (int k = 0; k < 2000; ++k) {
-    if (check.contradicts(onCircle(k * kPeriod, speed, wrong))) return k * kPeriod;
-  }
-  return -1.0;
-}
-
-TEST(VelocityCheck, NoticesAnotherFrame) {
-  for (const double speed : {0.0, 0.3, 2.0}) EXPECT_EQ(contradictedAfter(speed, 0.0), -1.0) << speed;
-  EXPECT_EQ(contradictedAfter(2.0, 0.15), -1.0);  // an attitude that is 9 degrees wrong
-  for (const double wrong : {0.5 * M_PI, M_PI, -1.0})
-    EXPECT_NEAR(contradictedAfter(1.0, wrong), 2.0, 0.05) << wrong;
-}
-
-TEST(VelocityCheck, CorrectionsAndGapsAreNoContradiction) {
-  polyfly::VelocityCheck check;
-  for (int k = 0; k < 2000; ++k) {
-    VehicleState state = onCircle(k * kPeriod, 1.0, 0.0);
-    const int corrections = k / 300;  // one each three seconds
-    state.position.x() += 0.5 * corrections;
-    if (k % 900 > 800) continue;  // silence of a second
-    EXPECT_FALSE(check.contradicts(state)) << k;
-  }
-  EXPECT_FALSE(check.contradicts(onCircle(-50.0, 1.0, 0.0)));
-}
 
 TEST(AttitudeTrim, findsTheCommandsThatTheModelDoesNotExplain) {
   polyfly::MultirotorOptions options;

@@ -41,6 +41,9 @@ struct Setting {
   /// Force of the wind [N].
   Eigen::Vector3d force{0.4, -0.3, 0.0};
   MultirotorOptions options;
+  /// Time constants of the vehicle's attitude loops and of its rotors [s].
+  double loop_time = 0.25;
+  double motor_time = 0.02;
 };
 
 /// A rigid body that is told to hold a pose 1 m up, and by its odometry where it is.
@@ -95,6 +98,9 @@ class OutlierFlight {
     AttitudePlantOptions options;
     options.loop = setting.loop;
     options.force = setting.force;
+    options.mass = setting.options.mass;
+    options.roll_time = options.pitch_time = setting.loop_time;
+    options.motor_time = setting.motor_time;
     if (setting.noisy) {
       options.position_noise = 0.002;
       options.velocity_noise = 0.01;

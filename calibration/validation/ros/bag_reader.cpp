@@ -77,8 +77,7 @@ class LogBuilder {
   }
 
   void add(const online_controller::ControllerStatus& message) {
-    if (message.status >= polyfly::kControlStatusCount ||
-        message.reason > online_controller::ControllerStatus::REASON_PILOT) {
+    if (message.status >= polyfly::kControlStatusCount || message.reason >= polyfly::kControlReasonCount) {
       throw Error("status or reason is none of those that the message defines");
     }
     FlightLog::Status status;

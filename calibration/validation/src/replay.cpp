@@ -88,7 +88,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
         law.onSilence(log.silences.at(event.index));
         break;
       case FlightLog::EventKind::kOdometry: {
-        const VehicleState state = aligned(log.odometry.at(event.index), options.heading_misalignment);
+        VehicleState state = aligned(log.odometry.at(event.index), options.heading_misalignment);
         if (!answered.empty() && answered.count(state.stamp) == 0) break;
         ReplaySample sample;
         sample.state = state;
@@ -111,6 +111,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
           sample.report = law.withoutSample(state.stamp, verdict.refusal);
         } else {
           sample.report = law.step(state, preview.data());
+          if (verdict.contradicts) sample.report = byPositions(sample.report);
         }
         samples.push_back(sample);
         break;

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "online_controller/estimation/vehicle_observer.hpp"
-#include "online_controller/estimation/velocity_check.hpp"
 #include "online_controller/flight/flight_supervisor.hpp"
 #include "online_controller/types/node_options.hpp"
 #include "online_controller_ros/answered.hpp"
@@ -84,7 +83,6 @@ class FlightInterface {
   const polyfly::TimeSource& time_;
   JoyLayout joy_;
   polyfly::VehicleObserver observer_;
-  polyfly::VelocityCheck velocities_;
   // Last command that was sent.
   polyfly::AttitudeCommand sent_;
   // Number of calibrations that were logged.

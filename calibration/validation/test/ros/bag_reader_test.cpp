@@ -102,7 +102,7 @@ TEST_F(BagReader, readsEachStatusThatTheMessageDefines) {
   using Message = online_controller::ControllerStatus;
   for (std::size_t i = 0; i <= Message::LEAST_VIOLATION; ++i)
     log_.statuses[i].status = static_cast<polyfly::ControlStatus>(i);
-  for (std::size_t i = 0; i <= Message::REASON_PILOT; ++i)
+  for (std::size_t i = 0; i < polyfly::kControlReasonCount; ++i)
     log_.statuses[20 + i].reason = static_cast<polyfly::ControlReason>(i);
   writeFlightBag(log_, path());
   const FlightLog read = readBag(path(), {});
@@ -116,7 +116,7 @@ TEST_F(BagReader, readsEachStatusThatTheMessageDefines) {
   EXPECT_NE(errorOf().find("status or reason is none of those that the message defines"), std::string::npos)
       << errorOf();
   log_.statuses[3].status = polyfly::ControlStatus::kOptimal;
-  log_.statuses[3].reason = static_cast<polyfly::ControlReason>(Message::REASON_PILOT + 1);
+  log_.statuses[3].reason = static_cast<polyfly::ControlReason>(polyfly::kControlReasonCount);
   writeFlightBag(log_, path());
   EXPECT_NE(errorOf().find("status or reason is none of those that the message defines"), std::string::npos)
       << errorOf();

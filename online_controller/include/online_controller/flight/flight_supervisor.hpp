@@ -148,6 +148,8 @@ class FlightSupervisor {
   double heard_time_ = 0.0;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
+  // True while a part of the odometry is replaced, see OdometryGate::Verdict.
+  bool contradicts_ = false;
   // Last accepted odometry.
   VehicleState last_;
   // True after the first accepted odometry.

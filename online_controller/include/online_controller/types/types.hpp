@@ -66,7 +66,7 @@ enum class ControlStatus : std::uint8_t {
   kManual = 7,
   /// On the ground: no thrust.
   kMotorsOff = 8,
-  /// Answer of the law within all limits, but the search was ended before the optimum.
+  /// Answer of the law within all limits, but the search was ended before the optimum, or the reason is kContradiction.
   kSuboptimal = 9,
   /// Robust law: no plan meets all bounds. Its answer at the nearest parameters that have one, see NearestFeasible.
   kLeastViolation = 10,
@@ -101,7 +101,10 @@ enum class ControlReason : std::uint8_t {
   kOnGround = 9,
   /// The remote control has the vehicle.
   kPilot = 10,
+  /// Odometry contradicts itself: the velocity of its positions is flown, or the attitude to which its rates lead.
+  kContradiction = 11,
 };
+constexpr int kControlReasonCount = 12;
 
 constexpr int kMaxParameters = 10;
 

@@ -126,9 +126,10 @@ Reference FlightSupervisor::stop() const noexcept {
 }
 
 const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, bool frame_fits) noexcept {
-  const VehicleState state = aligned(reported, vehicle_.heading_misalignment);
+  VehicleState state = aligned(reported, vehicle_.heading_misalignment);
   heard_ = true;
-  OdometryGate::Verdict verdict{ControlReason::kWrongFrame};
+  OdometryGate::Verdict verdict;
+  verdict.refusal = ControlReason::kWrongFrame;
   if (frame_fits) verdict = gate_.check(state);
   if (!frame_fits) gate_.noteSilence();
   refused_ = verdict.refusal;
@@ -138,6 +139,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, 
     report_ = &refuse(state.stamp, verdict.refusal);
     return *report_;
   }
+  contradicts_ = verdict.contradicts;
   restarted_ = verdict.restarted;
   if (restarted_) law_->forget(LawMemory::kObserver);
   references_.shift(verdict.time_jump);
@@ -185,7 +187,9 @@ void FlightSupervisor::dropReferences() noexcept {
 const ControlReport& FlightSupervisor::fly(const VehicleState& state) noexcept {
   if (state_ == FlightState::kFailsafe) prepareRecovery();
   if (!makePreview(state.stamp, law_->previewNeeded())) return law_->stepWithoutReference(state.stamp);
-  const ControlReport& report = law_->step(state, preview_.data());
+  const ControlReport& answer = law_->step(state, preview_.data());
+  if (contradicts_) own_ = byPositions(answer);
+  const ControlReport& report = contradicts_ ? own_ : answer;
   if (isAnswer(report.status)) {
     handle(FlightEvent::kRecovered);
     // On the ground, where ramps begin and end, commands need not move the vehicle.
