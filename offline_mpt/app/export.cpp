@@ -24,15 +24,13 @@ const char kExportFooter[] =
   NAME_test.c  A program that returns 0 where the compiled code answers as the map does.
   NAME.json    Bytes of flash and stack, greatest numbers of operations, bounds, checksums.
 
---type double answers as the map does, bit for bit. --type float and --type int16 answer within a bound that
-the command proves. Code of int16 has no floating-point numbers: signals are integers with scales of their
-own, which NAME.h states. Where a bound cannot be proven, nothing is written. region_maps/export/README.md
-says what is proven.
+--type double answers as the map does, bit for bit. --type float answers within a bound that the command
+proves. Where a bound cannot be proven, nothing is written. region_maps/export/README.md says what is proven.
 
 With --flash-limit, flash_bytes of NAME.json is at most the limit: tables and instructions, on the processor
 that needs more of these. The command takes the first of these that fits: the map in double and in float; the
-map reduced, and reduced with --separate (offline_mpt reduce), in double and in float; the same three in
-int16. With --type, only that type. An error above 1 % of an input's range, or above what a safety filter's
+map reduced, and reduced with --separate (offline_mpt reduce), in double and in float. With --type, only that
+type. An error above 1 % of an input's range, or above what a safety filter's
 proof allows, is taken only where no code that fits has a smaller one. The search tree is no choice: it is
 that of the map, or of its reduction. Of a reduced map it writes DIR/NAME.map too, for check_certificate. If
 nothing fits, it says how many bytes each would take.
@@ -42,7 +40,7 @@ slower, and without a proof. MAP may be a problem file then.
 
 Examples:
   offline_mpt export lateral.map -o code --name lateral
-  offline_mpt export lateral.map -o code --name lateral --type int16
+  offline_mpt export lateral.map -o code --name lateral --type float
   offline_mpt export lateral.map -o code --name lateral --flash-limit 16k
   offline_mpt export lateral.map -o code --name lateral --online --type float
   check_certificate --export code --map lateral.map
@@ -120,12 +118,15 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--name", arguments->request.name, "Prefix of files and identifiers: letters, digits, _.")
       ->required();
-  const std::map<std::string, ExportType> types = {
-      {"double", ExportType::kDouble}, {"float", ExportType::kFloat}, {"int16", ExportType::kInt16}};
+  const std::map<std::string, ExportType> types = {{"double", ExportType::kDouble},
+                                                   {"float", ExportType::kFloat}};
+  const CLI::Validator removed(
+      [](const std::string& word) { return word == "int16" ? std::string(kNoInt16) : std::string(); }, "");
   command
       ->add_option("--type", arguments->request.type,
-                   "Type of all numbers: double, float or int16 (default: double).")
-      ->transform(oneOf(types));
+                   "Type of all numbers: double or float (default: double).")
+      ->transform(oneOf(types))
+      ->transform(removed);
   CLI::Option* const type = command->get_option("--type");
   command
       ->add_option(

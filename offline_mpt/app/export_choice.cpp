@@ -59,18 +59,14 @@ class ExportChoice {
 
   ChosenExport choose() {
     using Types = std::vector<ExportType>;
-    const std::vector<Types> stages =
-        request_.chooses_type
-            ? std::vector<Types>{{ExportType::kDouble, ExportType::kFloat}, {ExportType::kInt16}}
-            : std::vector<Types>{{request_.type}};
-    for (const Types& types : stages) {
-      for (const MapKind kind : {MapKind::kGiven, MapKind::kReduced, MapKind::kSeparated}) {
-        for (const ExportType type : types) {
-          std::optional<Attempt> fitting = attempt(kind, type);
-          if (!fitting) continue;
-          if (request_.flash_limit == 0 || fitting->error <= 1.0) return chosen(std::move(*fitting));
-          if (!best_ || fitting->error < best_->error) best_ = std::move(fitting);
-        }
+    const Types types =
+        request_.chooses_type ? Types{ExportType::kDouble, ExportType::kFloat} : Types{request_.type};
+    for (const MapKind kind : {MapKind::kGiven, MapKind::kReduced, MapKind::kSeparated}) {
+      for (const ExportType type : types) {
+        std::optional<Attempt> fitting = attempt(kind, type);
+        if (!fitting) continue;
+        if (request_.flash_limit == 0 || fitting->error <= 1.0) return chosen(std::move(*fitting));
+        if (!best_ || fitting->error < best_->error) best_ = std::move(fitting);
       }
     }
     if (best_) return chosen(std::move(*best_));

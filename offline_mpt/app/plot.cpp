@@ -1,9 +1,9 @@
-#include <cmath>
-#include <cstdlib>
 #include <memory>
+#include <optional>
 
 #include "command.hpp"
 #include "map_plot/slice.hpp"
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -37,11 +37,9 @@ SliceRequest request(const PlotArguments& options) {
   for (const std::string& entry : options.at) {
     const std::size_t equals = entry.find('=');
     const std::string number = equals == std::string::npos ? "" : entry.substr(equals + 1);
-    char* end = nullptr;
-    const double value = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0' || !std::isfinite(value))
-      throw Error("--at: must be name=number, got '" + entry + "'");
-    result.at.emplace_back(entry.substr(0, equals), value);
+    const std::optional<double> value = decimalNumber(number);
+    if (!value) throw Error("--at: must be name=number, got '" + entry + "'" + kDecimalRule);
+    result.at.emplace_back(entry.substr(0, equals), *value);
   }
   return result;
 }

@@ -24,8 +24,8 @@ Confirms in rational arithmetic that MAP is the complete solution of its problem
 'offline_mpt verify --exact'. With --problem, the certificate must be of that problem file.
 With --reduced-from, it confirms that REDUCED answers as ORIGINAL does. The certificate is then from
 'offline_mpt verify --reduced-from'. ORIGINAL has a certificate of its own.
-With --export, it confirms the bounds that the only .json file of DIR states of the tables in the .c file of the
-same name, from 'offline_mpt export'. MAP has a certificate of its own.
+With --export, it confirms the bounds that the only .json file of DIR states of the .c and .h files of the same
+name, from 'offline_mpt export': their tables, and all text around these. MAP has a certificate of its own.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out; 3 stopped at the time limit.
 )";
 
@@ -58,7 +58,7 @@ void confirmCode(const std::string& folder, const std::string& map_file) {
   using checker::readFile;
   const std::string stem = onlyStem(folder, ".json");
   const checker::Map map = readMap(map_file);
-  checker::confirmExport(readFile(stem + ".json"), readFile(stem + ".c"), map);
+  checker::confirmExport(readFile(stem + ".json"), readFile(stem + ".c"), readFile(stem + ".h"), map);
   std::printf("confirmed: the code of %zu regions answers within its bounds\n", map.regions.size());
 }
 

@@ -39,7 +39,6 @@ ExportedAnswers ExportProof::run() {
   code_ = withPlanesOf(map_, std::move(code_), kInfinity);
   descend(code_.root(), map_.root());
   addJumps();
-  if (!code_.greatest_input.empty()) addSaturation();
   const Box code_box = widened(code_);
   cell_ = Cell(code_box);
   visitCandidates(code_, code_.root(), [this](const Candidate& candidate) { boundRows(candidate); });
@@ -239,24 +238,6 @@ void ExportProof::visitCandidates(const LookupTables& tables, std::uint32_t chil
     visit(candidate);
     cell_.shrink(size);
   }
-}
-
-/// Code that limits its inputs differs more from answers of the map beyond the limit, and nowhere else.
-void ExportProof::addSaturation() {
-  std::vector<double> excess(map_.q, 0.0);
-  visitCandidates(map_, map_.root(), [&](const Candidate& candidate) {
-    std::vector<double> gain(map_.p);
-    for (std::size_t j = 0; j < map_.q; ++j) {
-      const std::size_t row = std::size_t{candidate.law} * map_.q + j;
-      const double* const law = map_.laws.data() + row * (map_.p + 1);
-      for (const double sign : {1.0, -1.0}) {
-        for (std::size_t i = 0; i < map_.p; ++i) gain[i] = sign * law[i];
-        const double bound = cell_.upperBound(gain, sign * law[map_.p]) + map_.law_error[row];
-        excess[j] = std::max(excess[j], roundedUp(roundedUp(bound) - code_.greatest_input[j]));
-      }
-    }
-  });
-  for (std::size_t j = 0; j < map_.q; ++j) answers_.error[j] = roundedUp(answers_.error[j] + excess[j]);
 }
 
 /// How far outside of its region the code may use the law of this candidate.

@@ -41,7 +41,7 @@ struct ProofWatch {
 
 struct Stopped {};
 
-/// Proves the bounds of code of floats or integers, for all pairs of leaves at which code and map may arrive for one theta.
+/// Proves the bounds of code of floats, for all pairs of leaves at which code and map may arrive for one theta.
 class ExportProof {
  public:
   /// Map and watch outlive the proof.
@@ -73,7 +73,6 @@ class ExportProof {
   void addJumps();
   void visitCandidates(const LookupTables& tables, std::uint32_t child,
                        const std::function<void(const Candidate&)>& visit);
-  void addSaturation();
   void boundRows(const Candidate& candidate);
 
   const Map& regions_;
@@ -94,7 +93,8 @@ void requireSameTables(const Map& map, const LookupTables& code);
 /// The bounds of code of any type. Throws Refused where a table is of another kind or size than the map's.
 ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code, const ProofWatch& watch = {});
 
-/// Compares NAME.json with what is proven of NAME.c. Throws Refused.
-void confirmExport(const std::string& facts, const std::string& code, const Map& map);
+/// Compares NAME.json with what is proven of NAME.c and NAME.h. Throws Refused.
+void confirmExport(const std::string& facts, const std::string& code, const std::string& header,
+                   const Map& map);
 
 }  // namespace checker

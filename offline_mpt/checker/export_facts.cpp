@@ -48,8 +48,10 @@ void confirmWork(const std::string& facts, const ExportedCode& code) {
 
 }  // namespace
 
-void confirmExport(const std::string& facts, const std::string& code, const Map& map) {
+void confirmExport(const std::string& facts, const std::string& code, const std::string& header,
+                   const Map& map) {
   const ExportedCode exported = readCode(code);
+  requireHeader(header, exported, map);
   requireWord(facts, "name", exported.name);
   requireWord(facts, "type", nameOf(exported.type));
   requireWord(facts, "map", "xxh64:" + hexText(map.checksum));

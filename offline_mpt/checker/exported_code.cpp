@@ -1,13 +1,63 @@
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <regex>
 
-#include "integer_tables.hpp"
+#include "checksum.hpp"
+#include "code_match.hpp"
+#include "code_template.hpp"
 #include "lookup_tables.hpp"
 
 namespace checker {
+
+const char* nameOf(CodeType type) { return type == CodeType::kDouble ? "double" : "float"; }
+
 namespace {
 
-/// The numbers of the tables and macros of one file of C code.
+/// A whole number of the code: decimal, because a leading zero makes it octal.
+std::uint32_t wholeOf(const std::string& text, const std::string& suffix) {
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  require(digits > 0 && digits <= 10 && (digits == 1 || text[0] != '0') && text.substr(digits) == suffix,
+          text + " is no whole number of the code");
+  const unsigned long long value = std::stoull(text.substr(0, digits));
+  require(value <= UINT32_MAX, text + " is no whole number of the code");
+  return static_cast<std::uint32_t>(value);
+}
+
+/// As a compiler reads the constant: of a float, to the nearest float.
+double realOf(const std::string& text, CodeType type) {
+  static const std::regex form(R"(-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?f?)");
+  const bool is_float = text.back() == 'f';
+  require(std::regex_match(text, form) && text.find_first_of(".e") != std::string::npos &&
+              is_float == (type == CodeType::kFloat),
+          text + " is no number of the code's type");
+  const double value =
+      is_float ? static_cast<double>(std::strtof(text.c_str(), nullptr)) : std::strtod(text.c_str(), nullptr);
+  require(std::isfinite(value), text + " is no number of the code's type");
+  return value;
+}
+
+/// The digits behind a text.
+std::string digitsBehind(const std::string& code, const std::string& text) {
+  const std::size_t found = code.find(text);
+  require(found != std::string::npos, "the code has no " + text);
+  const std::size_t first = found + text.size();
+  return code.substr(first, std::min(code.find_first_not_of("0123456789", first), code.size()) - first);
+}
+
+/// a . theta - c, added by halves up to eight parameters.
+std::string sumText(std::size_t first, std::size_t end, std::size_t p) {
+  const auto entry = [](std::size_t i) { return "@N@_REAL(@n@_plane[plane][" + std::to_string(i) + "])"; };
+  if (end - first == 1) return "(" + entry(first) + " * theta[" + std::to_string(first) + "])";
+  const std::size_t middle = (first + end + 1) / 2;
+  const std::string left = "(" + sumText(first, middle, p);
+  if (middle == p) return left + " - " + entry(p) + ")";
+  return left + " + " + sumText(middle, end, p) + ")";
+}
+
+/// One file of C code: its text is that of an exported map, but for the numbers.
 class CodeText {
  public:
   explicit CodeText(const std::string& text) : text_(text) {
@@ -15,102 +65,153 @@ class CodeText {
     require(end != std::string::npos, "the code has no tolerance");
     const std::size_t first = text.rfind(' ', end) + 1;
     name_ = text.substr(first, end - first);
+    require(std::all_of(name_.begin(), name_.end(),
+                        [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; }),
+            "the code's name is no identifier");
     const auto follows = [&](const std::string& word) {
       return first >= word.size() && text.compare(first - word.size(), word.size(), word) == 0;
     };
-    require(follows("double ") || follows("float ") || follows("int32_t "),
-            "the code is none of double, float and int16");
-    type_ = follows("double ") ? CodeType::kDouble : follows("float ") ? CodeType::kFloat : CodeType::kInt16;
+    require(follows("double ") || follows("float "), "the code is neither of double nor of float");
+    type_ = follows("double ") ? CodeType::kDouble : CodeType::kFloat;
+    p_ = wholeOf(digitsBehind(text, " " + name_ + "_box["), "");
+    q_ = wholeOf(digitsBehind(text, "#define INPUT_COUNT "), "");
+    require(p_ >= 1 && p_ <= kMostSignals && q_ >= 1 && q_ <= kMostSignals,
+            "the code's sizes are out of range");
+    match_ = matchCode(text, filledIn(kSourceText, keys()));
+    checkIndexType();
   }
 
   const std::string& name() const { return name_; }
   CodeType type() const { return type_; }
+  std::size_t parameters() const { return p_; }
+  std::size_t inputs() const { return q_; }
 
-  bool has(const std::string& table) const { return place(table) != std::string::npos; }
+  bool has(const std::string& table) const {
+    return text_.find(" " + name_ + "_" + table + "[") != std::string::npos;
+  }
+  bool hasHandicap() const { return text_.find(" " + name_ + "_handicap = ") != std::string::npos; }
 
-  /// All numbers of a table, which must be there once.
-  std::vector<double> reals(const std::string& table) const {
-    const std::size_t first = place(table);
-    require(first != std::string::npos, "the code has no table " + table);
-    require(text_.find(" " + name_ + "_" + table + "[", first + 1) == std::string::npos,
-            "the table " + table + " is there twice");
-    const std::size_t begin = text_.find("= {", first);
-    const std::size_t end = text_.find(";", first);
-    require(begin < end && end != std::string::npos, "the table " + table + " has no numbers");
+  /// All numbers of a table with rows of `width`.
+  std::vector<double> reals(const std::string& table, std::size_t width) const {
     std::vector<double> values;
-    for (const char* at = text_.c_str() + begin + 3; at < text_.c_str() + end;) {
-      const bool starts = (*at >= '0' && *at <= '9') || *at == '-' || *at == '.';
-      if (!starts) {
-        require(
-            *at == '{' || *at == '}' || *at == ',' || *at == ' ' || *at == '\n' || *at == 'f' || *at == 'u',
-            "the table " + table + " has what is no number");
-        ++at;
-        continue;
-      }
-      char* rest = nullptr;
-      values.push_back(number(at, &rest));
-      require(rest != at && std::isfinite(values.back()),
-              "the table " + table + " has a number that is not finite");
-      at = rest;
+    for (const std::string& text : numbers(table, width)) values.push_back(realOf(text, type_));
+    return values;
+  }
+
+  /// With one dimension the width is 0.
+  std::vector<std::uint32_t> indices(const std::string& table, std::size_t width = 0) const {
+    std::vector<std::uint32_t> values;
+    const std::uint64_t limit = std::uint64_t{1} << std::stoul(bitsOf(table));
+    for (const std::string& text : numbers(table, width)) {
+      values.push_back(wholeOf(text, "u"));
+      require(values.back() < limit, "the table " + table + " has a number beyond its type");
     }
     return values;
   }
 
-  std::vector<std::uint32_t> indices(const std::string& table) const {
-    std::vector<std::uint32_t> result;
-    for (const double value : reals(table)) {
-      require(value >= 0.0 && value <= 4294967295.0 && value == std::floor(value),
-              "the table " + table + " has no indices");
-      result.push_back(static_cast<std::uint32_t>(value));
+  double scalar(const std::string& key) const { return realOf(single(key), type_); }
+  std::uint32_t macro(const std::string& key) const { return wholeOf(single(key), "u"); }
+
+ private:
+  static constexpr std::uint32_t kMostSignals = 256;
+  static constexpr std::uint32_t kMostByHalves = 8;
+
+  const std::string& single(const std::string& key) const {
+    const CodeNumbers& found = match_.at(key);
+    require(found.texts.size() == 1 && found.width == 0, key + " of the code is no number");
+    return found.texts[0];
+  }
+
+  const std::vector<std::string>& numbers(const std::string& table, std::size_t width) const {
+    const CodeNumbers& found = match_.at(table);
+    require(found.width == width, "the table " + table + " has rows of another length");
+    const std::size_t rows = found.texts.size() / (width == 0 ? 1 : width);
+    require(table == "box" ? rows == p_ : rows == wholeOf(single(table + "_rows"), ""),
+            "the table " + table + " has another number of rows than it says");
+    return found.texts;
+  }
+
+  /// The bits of a table's numbers.
+  std::string bitsOf(const std::string& table) const {
+    const std::string key = "_t " + name_ + "_" + table + "[";
+    const std::size_t end = text_.find(key);
+    const std::size_t first = end == std::string::npos ? end : text_.rfind("uint", end);
+    const std::string bits = first == std::string::npos ? "" : text_.substr(first + 4, end - first - 4);
+    require(bits == "8" || bits == "16" || bits == "32", "the code has no table " + table);
+    return bits;
+  }
+
+  std::map<std::string, std::string> keys() const {
+    const bool is_double = type_ == CodeType::kDouble, has_nodes = has("node_plane");
+    std::string upper = name_;
+    for (char& letter : upper) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+    const std::string suffix = is_double ? "" : "f", most = is_double ? "DBL_MAX" : "FLT_MAX";
+    std::map<std::string, std::string> result = {
+        {"n", name_},
+        {"N", upper},
+        {"p", std::to_string(p_)},
+        {"p1", std::to_string(p_ + 1)},
+        {"q", std::to_string(q_)},
+        {"real", nameOf(type_)},
+        {"zero", "0.0" + suffix},
+        {"constants",
+         is_double ? "typedef char @n@_constants[(sizeof(1.0) == sizeof(double)) ? 1 : -1];" : ""},
+        {"prefix", is_double ? "DBL" : "FLT"},
+        {"digits", is_double ? "53" : "24"},
+        {"index", indexType()},
+        {"node_count", has_nodes ? "\n#define NODE_COUNT $NODE_COUNT\n" : ""},
+        {"handicap", hasHandicap() ? "static const double @n@_handicap = $handicap;" : ""},
+        {"tree", has_nodes ? kTreeText : ""},
+        {"descent", has_nodes ? kDescentText : ""},
+        {"distance", p_ > kMostByHalves ? kDistanceLoopText : "return " + sumText(0, p_ + 1, p_) + ";"},
+        {"test", kTestText},
+        {"tests", is_double ? "violation" : "holds"},
+        {"result", is_double ? "double" : "int"},
+        {"start", is_double ? "double greatest = -" + most + ";" : "int holds = 1;"},
+        {"violated", is_double ? "greatest = " + most + ";" : "holds = 0;"},
+        {"held", is_double ? "if (violation > greatest) { greatest = violation; }" : ""},
+        {"finish", is_double ? "return greatest;" : "return holds;"},
+        {"least", is_double ? "double least = " + most + ";" : ""},
+        {"search", is_double ? kLeastSearchText : kFirstSearchText},
+        {"offer", hasHandicap() ? kFallbackOfferText : kOfferText}};
+    for (const char* const table : {"node_plane", "node_child", "leaf_first", "candidate_region",
+                                    "candidate_first", "row", "region_law"}) {
+      const bool is_there = has_nodes || std::string(table).compare(0, 4, "node") != 0;
+      result[table] = is_there ? bitsOf(table) : "";
     }
     return result;
   }
 
-  double scalar(const std::string& table) const {
-    const std::string key = " " + name_ + "_" + table + " = ";
-    const std::size_t first = text_.find(key);
-    require(first != std::string::npos, "the code has no " + table);
-    char* rest = nullptr;
-    return number(text_.c_str() + first + key.size(), &rest);
+  std::string indexType() const {
+    return text_.find("uint32_t child = ROOT") != std::string::npos ? "uint32_t" : "unsigned int";
   }
 
-  /// The exponent of a signal that the code compares with its header.
-  int exponent(const std::string& signal, std::size_t i) const {
-    const std::string key = "_" + signal + "_" + std::to_string(i) + "_EXPONENT != ";
-    const std::size_t first = text_.find(key);
-    require(first != std::string::npos && text_.find(key, first + 1) == std::string::npos,
-            "the code must have the exponent of " + signal + " " + std::to_string(i) + " once");
-    const long value = std::strtol(text_.c_str() + first + key.size(), nullptr, 10);
-    require(value >= -200 && value <= 200, "an exponent of the code is out of range");
-    return static_cast<int>(value);
-  }
-
-  /// A macro of a whole number.
-  std::uint32_t macro(const std::string& key) const {
-    const std::string define = "#define " + key + " ";
-    const std::size_t first = text_.find(define);
-    require(first != std::string::npos, "the code has no " + key);
-    return static_cast<std::uint32_t>(std::strtoul(text_.c_str() + first + define.size(), nullptr, 10));
-  }
-
- private:
-  std::size_t place(const std::string& table) const { return text_.find(" " + name_ + "_" + table + "["); }
-
-  /// As a compiler reads the constant: of a float, to the nearest float.
-  double number(const char* at, char** rest) const {
-    return type_ == CodeType::kFloat ? static_cast<double>(std::strtof(at, rest)) : std::strtod(at, rest);
+  /// unsigned int has 16 bits on some processors: it must hold each index and each product of them.
+  void checkIndexType() const {
+    if (indexType() == "uint32_t") return;
+    std::uint64_t greatest = std::uint64_t{macro("REGION_COUNT")} + 1;
+    for (const auto& [key, found] : match_) {
+      const std::size_t rows = found.texts.size() / std::max<std::size_t>(found.width, 1);
+      greatest = std::max<std::uint64_t>(greatest, key == "plane" ? 2 * rows : rows);
+      if (key == "node_child")
+        for (const std::string& text : found.texts)
+          greatest = std::max<std::uint64_t>(greatest, wholeOf(text, "u"));
+    }
+    require(greatest <= UINT16_MAX, "an index of the code is beyond 16 bits");
   }
 
   const std::string& text_;
   std::string name_;
   CodeType type_ = CodeType::kDouble;
+  std::uint32_t p_ = 0, q_ = 0;
+  CodeMatch match_;
 };
 
 void readTree(const CodeText& code, LookupTables& tables) {
   tables.root_leaf = code.macro("ROOT");
   if (!code.has("node_plane")) return;
   tables.node_plane = code.indices("node_plane");
-  const std::vector<std::uint32_t> children = code.indices("node_child");
+  const std::vector<std::uint32_t> children = code.indices("node_child", 2);
   require(children.size() == 2 * tables.node_plane.size() &&
               code.macro("NODE_COUNT") == tables.node_plane.size() && tables.root_leaf == 0,
           "the code's search tree has wrong sizes");
@@ -125,6 +226,7 @@ void readLeaves(const CodeText& code, LookupTables& tables) {
                                    law = code.indices("region_law");
   const std::uint32_t first_fallback = code.macro("FIRST_FALLBACK");
   require(!leaf_first.empty() && !first.empty(), "the code has no leaves");
+  require(law.size() == code.macro("REGION_COUNT"), "the code has another number of regions than it says");
   for (std::size_t i = 0; i + 1 < leaf_first.size(); ++i) {
     require(leaf_first[i] <= leaf_first[i + 1] && leaf_first[i + 1] < first.size() &&
                 leaf_first[i + 1] <= region.size(),
@@ -161,32 +263,7 @@ void checkIndices(const LookupTables& tables) {
   }
 }
 
-/// What the integers of the tables stand for.
-IntegerScales integerScales(const CodeText& code, const LookupTables& tables) {
-  IntegerScales scales;
-  for (std::size_t i = 0; i < tables.p; ++i) scales.theta.push_back(code.exponent("THETA", i));
-  for (std::size_t j = 0; j < tables.q; ++j) scales.u.push_back(code.exponent("U", j));
-  scales.plane = static_cast<int>(code.macro("PLANE_EXPONENT"));
-  scales.plane_unit = code.macro("PLANE_UNIT");
-  scales.law_unit = code.macro("LAW_UNIT");
-  scales.greatest_input = code.macro("GREATEST_INPUT");
-  scales.law_shift = code.indices("law_shift");
-  return scales;
-}
-
 }  // namespace
-
-const char* nameOf(CodeType type) {
-  switch (type) {
-    case CodeType::kDouble:
-      return "double";
-    case CodeType::kFloat:
-      return "float";
-    case CodeType::kInt16:
-      return "int16";
-  }
-  return "";
-}
 
 ExportedCode readCode(const std::string& text) {
   const CodeText code(text);
@@ -194,35 +271,47 @@ ExportedCode readCode(const std::string& text) {
   result.name = code.name();
   result.type = code.type();
   LookupTables& tables = result.tables;
-  const std::vector<double> box = code.reals("box");
-  require(!box.empty() && box.size() % 2 == 0, "the code's box has wrong sizes");
-  tables.p = box.size() / 2;
+  tables.p = code.parameters();
+  tables.q = code.inputs();
+  const std::vector<double> box = code.reals("box", 2);
   for (std::size_t i = 0; i < tables.p; ++i) {
     tables.box.lower.push_back(box[2 * i]);
     tables.box.upper.push_back(box[2 * i + 1]);
   }
-  tables.planes = code.reals("plane");
-  tables.laws = code.reals("law");
-  tables.q = code.macro("INPUT_COUNT");
-  require(tables.q >= 1 && !tables.laws.empty() && tables.laws.size() % (tables.q * (tables.p + 1)) == 0 &&
-              tables.planes.size() % (tables.p + 1) == 0,
-          "the code's planes or laws have wrong sizes");
+  tables.planes = code.reals("plane", tables.p + 1);
+  tables.laws = code.reals("law", tables.p + 1);
+  require(!tables.laws.empty() && tables.laws.size() % (tables.q * (tables.p + 1)) == 0,
+          "the code's laws have wrong sizes");
   tables.tolerance = code.scalar("tolerance");
   readTree(code, tables);
   readLeaves(code, tables);
   tables.takes_first = result.type != CodeType::kDouble;
-  const bool tests_whether_held = text.find(result.name + "_holds(") != std::string::npos;
-  require(tests_whether_held == tables.takes_first,
-          "the code searches a leaf in another way than its type does now; export it again");
-  const bool has_handicap = !tables.takes_first && code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
-  tables.handicap = has_handicap ? code.scalar("handicap") : 0.0;
+  const bool has_fallback = code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
+  require(tables.takes_first || has_fallback == code.hasHandicap(),
+          "the code has a handicap without use, or lacks it");
+  tables.handicap = code.hasHandicap() ? code.scalar("handicap") : 0.0;
   checkIndices(tables);
-  if (result.type == CodeType::kInt16) {
-    scaleIntegers(integerScales(code, tables), tables);
-  } else {
-    boundRounding(tables, result.type == CodeType::kFloat ? kFloats : kDoubles);
-  }
+  boundRounding(tables, result.type == CodeType::kFloat ? kFloats : kDoubles);
   return result;
+}
+
+void requireHeader(const std::string& header, const ExportedCode& code, const Map& map) {
+  std::string upper = code.name;
+  for (char& letter : upper) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  const std::string key = "_VERSION \"";
+  const std::size_t found = header.find(key);
+  require(found != std::string::npos, "the header has no version");
+  const std::size_t first = found + key.size();
+  const std::string version = header.substr(first, header.find_first_of("\"\n@", first) - first);
+  matchCode(header, filledIn(kHeaderText, {{"n", code.name},
+                                           {"N", upper},
+                                           {"version", version},
+                                           {"map", "xxh64:" + hexText(map.checksum)},
+                                           {"problem", "xxh64:" + hexText(xxh64(map.problem))},
+                                           {"p", std::to_string(code.tables.p)},
+                                           {"q", std::to_string(code.tables.q)},
+                                           {"regions", std::to_string(map.regions.size())},
+                                           {"real", nameOf(code.type)}}));
 }
 
 }  // namespace checker

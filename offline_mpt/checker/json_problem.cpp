@@ -1,6 +1,7 @@
 #include "json_problem.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 
@@ -27,11 +28,16 @@ std::vector<double> jsonNumbers(const std::string& text, const std::string& key)
     } else if (c == '}' || c == ']') {
       --depth;
     } else if (wanted && (c == '-' || (c >= '0' && c <= '9'))) {
+      // Of JSON's digits only: strtod alone would read 0x10 too.
+      const std::string digits = text.substr(at, text.find_first_not_of("+-.0123456789eE", at) - at);
+      const std::size_t first = c == '-' ? 1 : 0;
+      const bool leads =
+          digits.size() > first + 1 && digits[first] == '0' && std::isdigit(digits[first + 1]) != 0;
       char* end = nullptr;
-      const double number = std::strtod(text.c_str() + at, &end);
-      require(end != text.c_str() + at && std::isfinite(number), key + ": not a finite number");
+      const double number = std::strtod(digits.c_str(), &end);
+      require(!leads && *end == '\0' && std::isfinite(number), key + ": not a finite number");
       numbers.push_back(number);
-      at = static_cast<std::size_t>(end - text.c_str()) - 1;
+      at += digits.size() - 1;
     }
   }
   return numbers;

@@ -73,17 +73,7 @@ double greatestValue(const PathStep& step, double grid) {
   return grid * (step.is_strict ? std::ceil(multiple) - 1.0 : std::floor(multiple));
 }
 
-Arithmetic arithmeticOf(CodeType type) {
-  switch (type) {
-    case CodeType::kDouble:
-      return kDoubles;
-    case CodeType::kFloat:
-      return kFloats;
-    case CodeType::kInt16:
-      return {};
-  }
-  return {};
-}
+Arithmetic arithmeticOf(CodeType type) { return type == CodeType::kDouble ? kDoubles : kFloats; }
 
 /// Numbers in their order: those of one sign are ordered as their bits are. Both zeros have place 0.
 template <class Number, class Bits>
@@ -133,8 +123,7 @@ void PathSearch::addSteps(const Box& box, Cell& cell) const {
   for (const PathStep& step : path_) {
     const double* const plane = code_.planes.data() + std::size_t{step.row / 2} * (code_.p + 1);
     const auto [first, last] = sums.parts(plane);
-    const double grid =
-        std::max(code_.distance_unit, std::min(gridOf(first, arithmetic), gridOf(last, arithmetic)));
+    const double grid = std::min(gridOf(first, arithmetic), gridOf(last, arithmetic));
     const double limit = greatestValue(step, grid);
     const double error =
         (first.error + last.error + arithmetic.unit * std::abs(limit) + arithmetic.smallest) * kOwnRounding;
@@ -145,7 +134,7 @@ void PathSearch::addSteps(const Box& box, Cell& cell) const {
   }
 }
 
-/// To the bounds of each parameter in the cell, and to whole units. False where the cell is proven to hold no numbers.
+/// To the bounds of each parameter in the cell. False where the cell is proven to hold no numbers.
 bool PathSearch::shrink(Cell& cell, Box& box) const {
   Box bounds = box;
   for (std::size_t i = 0; i < box.size(); ++i) {
@@ -156,11 +145,6 @@ bool PathSearch::shrink(Cell& cell, Box& box) const {
       if (bound == -std::numeric_limits<double>::infinity()) return false;
       double& side = sign > 0.0 ? bounds.upper[i] : bounds.lower[i];
       side = sign > 0.0 ? std::min(side, bound) : std::max(side, -bound);
-    }
-    if (!code_.parameter_unit.empty()) {
-      const double unit = code_.parameter_unit[i];
-      bounds.lower[i] = std::ceil(bounds.lower[i] / unit) * unit;
-      bounds.upper[i] = std::floor(bounds.upper[i] / unit) * unit;
     }
     if (bounds.lower[i] > bounds.upper[i]) return false;
   }
@@ -185,7 +169,7 @@ bool PathSearch::isTakenBy(const std::vector<double>& theta) {
 void PathSearch::keepHeld(const PathStep& step, std::vector<double>& theta, std::size_t parameter,
                           Numbers& numbers) const {
   const auto holdsAt = [&](std::int64_t place) {
-    theta[parameter] = numberAt(place, parameter);
+    theta[parameter] = numberAt(place);
     return holds(step, theta);
   };
   const bool holds_first = holdsAt(numbers.first), holds_last = holdsAt(numbers.last);
@@ -212,7 +196,7 @@ bool PathSearch::isTakenOnLine(std::vector<double> theta, std::size_t parameter,
     std::swap(step, path_.front());
     return false;
   }
-  theta[parameter] = numberAt(numbers.first, parameter);
+  theta[parameter] = numberAt(numbers.first);
   return isTakenBy(theta);
 }
 
@@ -230,7 +214,7 @@ bool PathSearch::tryNumbers(const std::vector<double>& centre, const Box& box) {
     for (std::size_t k = 0; k < p; ++k) {
       const double share = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
       const auto beside = static_cast<std::int64_t>(std::round(most * share));
-      theta[k] = numberAt(std::clamp(placeOf(theta[k], k) + beside, numbers[k].first, numbers[k].last), k);
+      theta[k] = numberAt(std::clamp(placeOf(theta[k]) + beside, numbers[k].first, numbers[k].last));
     }
     const std::size_t parameter = static_cast<std::size_t>(i) % p;
     if (isTakenOnLine(theta, parameter, numbers[parameter])) return true;
@@ -259,7 +243,7 @@ std::optional<bool> PathSearch::tryAll(const Box& box) {
   for (std::int64_t i = 0; i < lines; ++i) {
     std::int64_t rest = i;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      theta[k] = numberAt(numbers[k].first + rest % numbers[k].count(), k);
+      theta[k] = numberAt(numbers[k].first + rest % numbers[k].count());
       rest /= numbers[k].count();
     }
     if (isTakenOnLine(theta, line, on_line)) return true;
@@ -270,36 +254,22 @@ std::optional<bool> PathSearch::tryAll(const Box& box) {
 std::vector<PathSearch::Numbers> PathSearch::numbersIn(const Box& box) const {
   std::vector<Numbers> numbers(box.size());
   for (std::size_t i = 0; i < box.size(); ++i) {
-    const std::int64_t first = placeOf(box.lower[i], i), last = placeOf(box.upper[i], i);
-    numbers[i].first = numberAt(first, i) < box.lower[i] ? first + 1 : first;
-    numbers[i].last = numberAt(last, i) > box.upper[i] ? last - 1 : last;
+    const std::int64_t first = placeOf(box.lower[i]), last = placeOf(box.upper[i]);
+    numbers[i].first = numberAt(first) < box.lower[i] ? first + 1 : first;
+    numbers[i].last = numberAt(last) > box.upper[i] ? last - 1 : last;
   }
   return numbers;
 }
 
 /// Of the nearest number of the code's type.
-std::int64_t PathSearch::placeOf(double number, std::size_t parameter) const {
-  switch (exported_.type) {
-    case CodeType::kDouble:
-      return placeOfBits<double, std::int64_t>(number);
-    case CodeType::kFloat:
-      return placeOfBits<float, std::int32_t>(static_cast<float>(number));
-    case CodeType::kInt16:
-      return std::llround(number / code_.parameter_unit[parameter]);
-  }
-  return 0;
+std::int64_t PathSearch::placeOf(double number) const {
+  return exported_.type == CodeType::kDouble ? placeOfBits<double, std::int64_t>(number)
+                                             : placeOfBits<float, std::int32_t>(static_cast<float>(number));
 }
 
-double PathSearch::numberAt(std::int64_t place, std::size_t parameter) const {
-  switch (exported_.type) {
-    case CodeType::kDouble:
-      return numberOfPlace<double, std::int64_t>(place);
-    case CodeType::kFloat:
-      return numberOfPlace<float, std::int32_t>(place);
-    case CodeType::kInt16:
-      return static_cast<double>(place) * code_.parameter_unit[parameter];
-  }
-  return 0.0;
+double PathSearch::numberAt(std::int64_t place) const {
+  return exported_.type == CodeType::kDouble ? numberOfPlace<double, std::int64_t>(place)
+                                             : numberOfPlace<float, std::int32_t>(place);
 }
 
 /// How far the value of a step changes at most with a parameter in a box.
@@ -321,12 +291,9 @@ std::vector<Box> PathSearch::halvesOf(const Box& box) const {
   }
   if (widest == box.size()) return {};
   std::vector<Box> halves(2, box);
-  const bool has_units = !code_.parameter_unit.empty();
-  double middle = 0.5 * (box.lower[widest] + box.upper[widest]);
-  const double unit = has_units ? code_.parameter_unit[widest] : 0.0;
-  if (has_units) middle = std::floor(middle / unit) * unit;
+  const double middle = 0.5 * (box.lower[widest] + box.upper[widest]);
   halves[0].upper[widest] = middle;
-  halves[1].lower[widest] = middle + unit;
+  halves[1].lower[widest] = middle;
   return halves;
 }
 

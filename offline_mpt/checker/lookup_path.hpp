@@ -69,8 +69,8 @@ class PathSearch {
                 Numbers& numbers) const;
   std::vector<Numbers> numbersIn(const Box& box) const;
   std::optional<bool> tryAll(const Box& box);
-  std::int64_t placeOf(double number, std::size_t parameter) const;
-  double numberAt(std::int64_t place, std::size_t parameter) const;
+  std::int64_t placeOf(double number) const;
+  double numberAt(std::int64_t place) const;
 
   const ExportedCode& exported_;
   const LookupTables& code_;

@@ -33,14 +33,11 @@ std::vector<double> givenNumbers(const ExportedCode& code, std::vector<double> t
   const LookupTables& tables = code.tables;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     if (code.type == CodeType::kFloat) theta[i] = static_cast<float>(theta[i]);
-    if (code.type == CodeType::kInt16)
-      theta[i] = std::nearbyint(theta[i] / tables.parameter_unit[i]) * tables.parameter_unit[i];
     theta[i] = std::clamp(theta[i], tables.box.lower[i], tables.box.upper[i]);
   }
   return theta;
 }
 
-// Sums of integers are exact in doubles.
 double valueAt(const ExportedCode& code, std::uint32_t plane, const std::vector<double>& theta) {
   return code.type == CodeType::kFloat ? valueOf<float>(code.tables, plane, theta)
                                        : valueOf<double>(code.tables, plane, theta);

@@ -42,11 +42,6 @@ struct LookupTables {
   std::vector<double> plane_error, law_error;
   /// Greatest rounding of each parameter of the box on its way to the look-up.
   std::vector<double> parameter_error;
-  /// Of integers, what one unit of each parameter and of a distance stands for; empty and 0 for other types.
-  std::vector<double> parameter_unit;
-  double distance_unit = 0.0;
-  /// Greatest size of each input that the code can answer; empty: no limit.
-  std::vector<double> greatest_input;
 
   std::uint32_t root() const { return node_plane.empty() ? root_leaf : 0; }
 };
@@ -75,9 +70,9 @@ LookupTables lookupOf(const Map& map);
 /// rounding from then on, is not above `most`. Planes that the code lacks get the greatest error. Throws Refused.
 LookupTables withPlanesOf(const LookupTables& map, LookupTables code, double most);
 
-enum class CodeType { kDouble, kFloat, kInt16 };
+enum class CodeType { kDouble, kFloat };
 
-/// What NAME.c holds. Tables of integers are scaled to the map's units; all of them are exact as doubles.
+/// What NAME.c holds. All numbers are exact as doubles.
 struct ExportedCode {
   std::string name;
   CodeType type = CodeType::kDouble;
@@ -87,7 +82,11 @@ struct ExportedCode {
 /// The name of a type in NAME.json.
 const char* nameOf(CodeType type);
 
-/// Reads the tables of NAME.c. Throws Refused where they are not as the code needs them.
+/// Reads the tables of NAME.c. Throws Refused where they are not as the code needs them, or where any other token of the text
+/// is not that of an exported map.
 ExportedCode readCode(const std::string& text);
+
+/// The text of NAME.h is that of the code and its map. Throws Refused.
+void requireHeader(const std::string& header, const ExportedCode& code, const Map& map);
 
 }  // namespace checker

@@ -29,16 +29,13 @@ bool contradict(const PathStep& a, const PathStep& b) {
 
 }  // namespace
 
-// Sums of integers are exact, so only numbers of floating point have errors.
 WorkProof::WorkProof(const ExportedCode& code, const ProofWatch& watch)
     : exported_(code),
       code_(code.tables),
       watch_(watch),
       paths_(code),
       cell_(code.tables.box),
-      error_(code.tables.plane_error) {
-  if (code.type == CodeType::kInt16) error_.assign(error_.size(), 0.0);
-}
+      error_(code.tables.plane_error) {}
 
 LookupWork WorkProof::run() {
   countPaths();
@@ -116,7 +113,7 @@ void WorkProof::addStep(const PathStep& step) {
   constexpr double kOwnRounding = 0x1p-51;
   const double constant = sign * plane[code_.p];
   const double error = error_[step.row / 2];
-  const double limit = step.limit - (step.is_strict ? code_.distance_unit : 0.0);
+  const double limit = step.limit;
   const double rounding = kOwnRounding * (std::abs(constant) + std::abs(limit) + error);
   cell_.add({plane, sign, constant + limit + error + rounding});
   const auto contradicts = [&step](const PathStep& other) { return contradict(step, other); };

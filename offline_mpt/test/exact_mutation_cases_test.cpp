@@ -3,8 +3,8 @@
 #include <cctype>
 #include <cstring>
 
-#include "core/certificate.hpp"
 #include "checksum.hpp"
+#include "core/certificate.hpp"
 #include "json_problem.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
@@ -231,7 +231,7 @@ TEST_F(BitMutation, NoBitOfTheCertificateMakesAWrongLawRight) {
 
 TEST_F(BitMutation, NoBitOfTheCertificateMakesAWrongPlaneRight) {
   MapContent wrong = content_;
-  wrong.planes[1] += 1e-6;
+  changePlane(wrong, 1, 1e-6);
   expectNeverConfirmed(wrong);
 }
 

@@ -1,6 +1,7 @@
 // The checker confirms what is right and refuses everything that was changed.
 #include <cstdlib>
 
+#include "map_in_memory.hpp"
 #include "mutation.hpp"
 
 namespace polyfly {
@@ -45,7 +46,7 @@ TEST_F(Mutation, EveryLawEntryIsChecked) {
 TEST_F(Mutation, EveryPlaneEntryIsChecked) {
   for (std::size_t k = 0; k < content_.planes.size(); ++k) {
     MapContent changed = content_;
-    changed.planes[k] += 1e-6;
+    changePlane(changed, k, 1e-6);
     EXPECT_NE(refusalOfMap(changed).find("plane"), std::string::npos) << k;
   }
 }

@@ -20,30 +20,6 @@ const char* const kClip = R"({"name": "clip", "H": [[1.0]], "f": [0.0], "F": [[-
     "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
     "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
 
-// A level behind a lagging valve, with a soft limit.
-const char* const kTank = R"(polyfly_problem: 1
-name: tank
-type: tracking_mpc
-model:
-  states: [{name: h, unit: m}, {name: q, unit: m^3/s}]
-  inputs: [{name: v, unit: V, range: [-1.3, 0.9]}]
-  A: [[-0.21, 0.77], [0, -1.9]]
-  B: [[0], [1.7]]
-  C: [[1, 0]]
-sampling_time: 0.35
-horizon: 8
-moves: [1, 2, 5]
-weights: {Q: [7.3, 0.9], R: [0.6], R_delta: [0.11], terminal: riccati}
-constraints:
-  - {of: h, range: [-1.1, 0.8], soft: {linear: 60, quadratic: 5, slack: horizon}}
-parameters:
-  - {name: h_ref, role: state_reference, of: h, unit: m, range: [-0.7, 0.7]}
-  - {name: e_h, role: error, of: h, unit: m, range: [-1.7, 1.4]}
-  - {name: e_q, role: error, of: q, unit: m^3/s, range: [-1.2, 1.1]}
-  - {name: v_prev, role: previous_input, of: v, unit: V, range: [-1.3, 0.9]}
-  - {name: v_ref, role: input_reference, of: v, unit: V, range: [-0.5, 0.4]}
-)";
-
 class ExportCommand : public testing::Test {
  protected:
   void SetUp() override {
@@ -71,7 +47,7 @@ class ExportCommand : public testing::Test {
 };
 
 TEST_F(ExportCommand, WritesFourFilesThatAreConfirmed) {
-  for (const char* const type : {"double", "float", "int16"}) {
+  for (const char* const type : {"double", "float"}) {
     const Outcome result = exportMap({"--name", "clip", "--type", type});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     for (const char* const name : {"clip.c", "clip.h", "clip_test.c", "clip.json"})
@@ -117,9 +93,8 @@ TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
     const std::string facts = readBytes(path("code/clip.json"));
     return std::stoi(facts.substr(facts.find("\"flash_bytes\": ") + 15));
   };
-  const int in_double = bytes("double"), in_float = bytes("float"), in_int16 = bytes("int16");
+  const int in_double = bytes("double"), in_float = bytes("float");
   ASSERT_LT(in_float, in_double);
-  ASSERT_LT(in_int16, in_float);
   const auto typeWithin = [&](int limit) -> std::string {
     const Outcome result = exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)});
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -130,36 +105,76 @@ TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
   EXPECT_EQ(typeWithin(in_double), "double");
   EXPECT_EQ(typeWithin(in_double - 1), "float");
   EXPECT_EQ(typeWithin(in_float), "float");
-  EXPECT_EQ(typeWithin(in_int16), "int16");
   EXPECT_EQ(confirm().exit_code, 0);
   // No map in no type is smaller than this.
   const Outcome refused = exportMap({"--name", "clip", "--flash-limit", "60"});
   EXPECT_EQ(refused.exit_code, 2);
   for (const std::string& need : {std::to_string(in_double) + " bytes as the map in double",
-                                  std::to_string(in_float) + " bytes as the map in float",
-                                  std::to_string(in_int16) + " bytes as the map in int16"})
+                                  std::to_string(in_float) + " bytes as the map in float"})
     EXPECT_NE(refused.err.find(need), std::string::npos) << refused.err;
   EXPECT_EQ(exportMap({"--name", "clip", "--type", "double", "--flash-limit", "60"}).exit_code, 2);
 }
 
-// The tank's bound is 12 % of the input's range, and below 1 % once reduced. No code of the filter is within what its proof
-// allows, and the reduced map has the least error, but not the least size.
+// No code in float is within what this filter's proof allows, so a limit of flash takes the one with the least error.
 TEST_F(ExportCommand, TheLimitOfFlashPassesGreatErrorsOver) {
-  writeBytes(path("tank.yaml"), kTank);
-  const std::string filter = projectRoot() + "/region_maps/problems/safety/double_integrator_float.yaml";
-  for (const std::string& problem : {path("tank.yaml"), filter}) {
-    const std::string map = path("other.map");
-    ASSERT_EQ(run({OFFLINE_MPT_PROGRAM, "solve", problem, "-o", map, "--force"}).exit_code, 0);
-    const Words words = {
-        OFFLINE_MPT_PROGRAM, "export", map, "-o", path("code"), "--name", "code", "--type", "int16"};
-    const Outcome given = run(words);
-    EXPECT_NE(given.out.find("the map in int16"), std::string::npos) << given.out;
-    Words limited = words;
-    limited.insert(limited.end(), {"--flash-limit", "5k"});
-    const Outcome chosen = run(limited);
-    EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
-    EXPECT_NE(chosen.out.find("the reduced map in int16"), std::string::npos) << chosen.out;
-  }
+  std::string filter = readBytes(projectRoot() + "/region_maps/problems/safety/double_integrator_float.yaml");
+  const std::string allowance = "error: 0.005";
+  ASSERT_NE(filter.find(allowance), std::string::npos);
+  filter.replace(filter.find(allowance), allowance.size(), "error: 1.0e-4");
+  writeBytes(path("tight.yaml"), filter);
+  const std::string map = path("other.map");
+  ASSERT_EQ(run({OFFLINE_MPT_PROGRAM, "solve", path("tight.yaml"), "-o", map, "--force"}).exit_code, 0);
+  Words words = {OFFLINE_MPT_PROGRAM, "export", map, "-o", path("code"), "--name", "code", "--type", "float"};
+  const auto error = [&] {
+    const std::string facts = readBytes(path("code/code.json"));
+    EXPECT_NE(facts.find("\"is_allowed\": false"), std::string::npos) << facts;
+    return std::stod(facts.substr(facts.find("\"error_bound\": [") + 16));
+  };
+  const Outcome given = run(words);
+  EXPECT_NE(given.out.find("the map in float"), std::string::npos) << given.out;
+  const double as_it_is = error();
+  words.insert(words.end(), {"--flash-limit", "1M"});
+  EXPECT_EQ(run(words).exit_code, 0);
+  EXPECT_LE(error(), as_it_is);
+}
+
+TEST_F(ExportCommand, TheTypeThatWasRemovedIsRefusedWithWhatToUse) {
+  const Outcome result = exportMap({"--name", "clip", "--type", "int16"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("--type: int16 was removed"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("use float"), std::string::npos) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_FALSE(fs::exists(path("code")));
+}
+
+// Rounding decides all that these limits decide, so no second solver confirms an answer.
+TEST_F(ExportCommand, OnlineRefusesWhatCannotBeConfirmed) {
+  writeBytes(path("narrow.json"), R"({"H": [[2, 1], [1, 2]], "f": [0, 0], "F": [[1, 0], [0, 1]],
+    "A": [[1, 0], [-1, 0], [0, 1], [0, -1]], "b": [1e-8, 1e-8, 1e-8, 1e-8],
+    "B": [[0, 0], [0, 0], [0, 0], [0, 0]], "lb": [-3, -3], "ub": [3, 3]})");
+  const Outcome result = run({OFFLINE_MPT_PROGRAM, "export", path("narrow.json"), "-o", path("online"),
+                              "--name", "clip", "--online", "--type", "float"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("another solver confirms none of the answers"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(path("online")));
+}
+
+// What stands around the tables cannot change the answers.
+TEST_F(ExportCommand, ChangedFunctionsAndHeadersAreRefused) {
+  ASSERT_EQ(exportMap({"--name", "clip"}).exit_code, 0);
+  const auto refused = [&](const char* name, const std::string& part, const std::string& other) {
+    const std::string file = path(std::string("code/") + name), text = readBytes(file);
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+    std::string changed = text;
+    writeBytes(file, changed.replace(changed.find(part), part.size(), other));
+    const Outcome result = confirm();
+    writeBytes(file, text);
+    return result.exit_code == 1 && result.err.find("the text of the code") != std::string::npos;
+  };
+  EXPECT_EQ(confirm().exit_code, 0);
+  EXPECT_TRUE(refused("clip.c", "u[j] = sum;", "u[j] = -sum;"));
+  EXPECT_TRUE(refused("clip.c", "/* Laws u = K", "#if 0\n/* Laws u = K"));
+  EXPECT_TRUE(refused("clip.h", "#include <stdint.h>", "#include <stdint.h>\n#define double float"));
 }
 
 TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {

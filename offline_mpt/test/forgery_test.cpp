@@ -1,11 +1,18 @@
 // Maps and certificates that were forged together: what they state is false, and all checksums are right.
 #include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <vector>
 
+#include "core/map.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
 
 namespace polyfly {
 namespace {
@@ -26,6 +33,27 @@ std::string refusalOfLiar(ParametricProgram program, const std::string& text) {
   const CertifyReport report = certify(MapInMemory(content).map(), program);
   EXPECT_TRUE(report.passed()) << certifyText(report);
   return refusal(report.certificate, bytesOf(content), text);
+}
+
+/// Of the project's reader and the checker's own, how many refuse the map for the length of a plane.
+int lengthRefusals(const std::string& bytes) {
+  int refusals = 0;
+  try {
+    checker::Map map(bytes);
+  } catch (const checker::Refused& refused) {
+    refusals += std::string(refused.what()).find("another length than 1") != std::string::npos ? 1 : 0;
+  }
+  const std::string path = testing::TempDir() + "forged_length.map";
+  writeFileAtomically(
+      path, std::vector<std::byte>(reinterpret_cast<const std::byte*>(bytes.data()),
+                                   reinterpret_cast<const std::byte*>(bytes.data()) + bytes.size()));
+  try {
+    RegionMap::open(path);
+  } catch (const Error& error) {
+    refusals += std::string(error.what()).find("must have the length 1") != std::string::npos ? 1 : 0;
+  }
+  std::remove(path.c_str());
+  return refusals;
 }
 
 // Such a problem has u = z, or some entries of z. A certificate with another C or c is of another problem.
@@ -61,6 +89,17 @@ std::string withLine(const std::string& text, const std::string& key, const std:
   }
   EXPECT_TRUE(found) << key;
   return joined(lines, "\n") + "\n";
+}
+
+// Planes of length 1e-11 make half the box lie within the tolerance of every one of them.
+TEST(Forgery, PlanesOfAnotherLengthAreRefused) {
+  const ParametricProgram program = parseProgramJson(smallProblem(""), "test.json");
+  const std::string map = bytesOf(encode(program, explore(program)));
+  const auto confirmed = [&](double factor) { return lengthRefusals(withScaledPlanes(map, factor)) == 0; };
+  EXPECT_TRUE(confirmed(1.0));
+  EXPECT_TRUE(confirmed(1.0 + 0x1p-41));
+  for (const double factor : {1e-11, 0.5, 1.0 - 0x1p-39, 1.0 + 0x1p-39, -2.0, 1e300})
+    EXPECT_EQ(lengthRefusals(withScaledPlanes(map, factor)), 2) << factor;
 }
 
 // z_1 of min z_0^2 / 2 may be anything up to theta; the system of the bound is regular all the same.

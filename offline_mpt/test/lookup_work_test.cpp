@@ -77,16 +77,50 @@ checker::LookupWork provenWork(const checker::ExportedCode& code) {
   return checker::WorkProof(code, watch).run();
 }
 
-// With one parameter of 16 bits, all look-ups that there are.
+/// Of one parameter: floats around all places where a row or the box changes its outcome, and one between any two.
+std::vector<double> distinctParameters(const checker::LookupTables& code) {
+  constexpr int kNeighbours = 64;
+  std::vector<double> places = {code.box.lower[0], code.box.upper[0]};
+  for (std::size_t k = 0; k < code.planes.size(); k += 2) {
+    for (const double shift : {-code.tolerance, 0.0, code.tolerance})
+      places.push_back((code.planes[k + 1] + shift) / code.planes[k]);
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<double> result;
+  const auto add = [&](float number) {
+    if (number >= code.box.lower[0] && number <= code.box.upper[0]) result.push_back(number);
+  };
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    auto below = static_cast<float>(places[k]), above = below;
+    for (int i = 0; i < kNeighbours; ++i) {
+      add(below = std::nextafter(below, -HUGE_VALF));
+      add(above = std::nextafter(above, HUGE_VALF));
+    }
+    add(static_cast<float>(places[k]));
+    if (k > 0) add(static_cast<float>(0.5 * (places[k - 1] + places[k])));
+  }
+  return result;
+}
+
+/// In the arithmetic of floats.
+checker::LookupWork countedFloatWork(const checker::LookupTables& code, double parameter) {
+  return countedWork(code, static_cast<float>(parameter), [&](std::uint32_t row, float theta) {
+    const double* const plane = code.planes.data() + (row >> 1) * 2;
+    const float product = static_cast<float>(plane[0]) * theta;
+    const float sum = product - static_cast<float>(plane[1]);
+    return static_cast<double>((row & 1u) != 0 ? -sum : sum);
+  });
+}
+
+// With one parameter, all look-ups that there are.
 TEST(LookupWork, IsTheGreatestOfAllLookups) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const MadeMap made(mapOfHoles(1, seed));
     const checker::ExportedCode code =
-        checker::readCode(exportSource(made.map, optionsOf(ExportType::kInt16)));
-    const double unit = std::ldexp(1.0, -exportExponents(made.map, optionsOf(ExportType::kInt16)).theta[0]);
+        checker::readCode(exportSource(made.map, optionsOf(ExportType::kFloat)));
     checker::LookupWork greatest;
-    for (double theta = code.tables.box.lower[0]; theta <= code.tables.box.upper[0]; theta += unit)
-      greatest = checker::greater(greatest, countedWork(code.tables, {theta}));
+    for (const double theta : distinctParameters(code.tables))
+      greatest = checker::greater(greatest, countedFloatWork(code.tables, theta));
     const checker::LookupWork proven = provenWork(code);
     EXPECT_EQ(proven.sums, greatest.sums) << seed;
     EXPECT_EQ(proven.comparisons, greatest.comparisons) << seed;
@@ -94,21 +128,18 @@ TEST(LookupWork, IsTheGreatestOfAllLookups) {
 }
 
 TEST(LookupWork, IsExceededByNoRandomLookup) {
-  for (const ExportType type : {ExportType::kDouble, ExportType::kFloat, ExportType::kInt16}) {
+  for (const ExportType type : {ExportType::kDouble, ExportType::kFloat}) {
     for (std::uint32_t p = 2; p <= 4; ++p) {
       const MadeMap made(mapOfHoles(p, p));
       const checker::ExportedCode code = checker::readCode(exportSource(made.map, optionsOf(type)));
       const checker::LookupWork proven = provenWork(code);
-      const ExportExponents exponents = exportExponents(made.map, optionsOf(type));
       TestPoints points(made.map, p);
       std::uint64_t greatest = 0;
       for (int i = 0; i < 20000; ++i) {
         std::vector<double> theta = points.next();
         bool is_inside = true;
         for (std::size_t k = 0; k < p; ++k) {
-          if (!exponents.theta.empty())
-            theta[k] =
-                std::ldexp(std::nearbyint(std::ldexp(theta[k], exponents.theta[k])), -exponents.theta[k]);
+          if (type == ExportType::kFloat) theta[k] = static_cast<float>(theta[k]);
           is_inside =
               is_inside && theta[k] >= code.tables.box.lower[k] && theta[k] <= code.tables.box.upper[k];
         }
@@ -265,8 +296,7 @@ TEST_P(LookupWorkOfTypes, IsReachedByAVectorOfTheCodesTest) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, LookupWorkOfTypes,
-                         testing::Values(ExportType::kDouble, ExportType::kFloat, ExportType::kInt16));
+INSTANTIATE_TEST_SUITE_P(Types, LookupWorkOfTypes, testing::Values(ExportType::kDouble, ExportType::kFloat));
 
 TEST(LookupWork, FactsThatStateLessAreRefused) {
   const MadeMap made(clippedMap());
@@ -277,7 +307,8 @@ TEST(LookupWork, FactsThatStateLessAreRefused) {
   const auto verdict = [&](const LookupWork& stated) {
     const ExportBound bound = {answers.error, answers.margin, stated, {}};
     const std::string facts = exportFacts(made.map, floatOptions(), bound);
-    return refusal([&] { checker::confirmExport(facts, code, map); });
+    const std::string header = exportHeader(made.map, floatOptions(), bound);
+    return refusal([&] { checker::confirmExport(facts, code, header, map); });
   };
   EXPECT_EQ(verdict({work.sums, work.comparisons}), "confirmed");
   EXPECT_NE(verdict({work.sums - 1, work.comparisons}).find("multiply_adds"), std::string::npos);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "region_maps/format.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
@@ -34,5 +36,51 @@ class MapInMemory {
   std::vector<Block> storage_;
   RegionMap map_;
 };
+
+/// Half the range of a parameter.
+inline double halfRange(const MapContent& content, std::size_t parameter) {
+  return 0.5 * (content.parameters[parameter].upper - content.parameters[parameter].lower);
+}
+
+/// Turns a plane by the angle, from the greatest of its other entries towards `entry`. Its length stays.
+inline void turnPlane(MapContent& content, std::size_t plane, std::size_t entry, double angle) {
+  const std::size_t p = content.parameters.size();
+  double* const a = content.planes.data() + plane * (p + 1);
+  std::size_t other = entry == 0 ? 1 : 0;
+  for (std::size_t j = 0; j < p; ++j) {
+    const bool greater =
+        std::abs(a[j] * halfRange(content, j)) > std::abs(a[other] * halfRange(content, other));
+    if (j != entry && greater) other = j;
+  }
+  const double x = a[entry] * halfRange(content, entry), y = a[other] * halfRange(content, other);
+  a[entry] = (x * std::cos(angle) + y * std::sin(angle)) / halfRange(content, entry);
+  a[other] = (y * std::cos(angle) - x * std::sin(angle)) / halfRange(content, other);
+}
+
+/// Moves a plane where `number` is its constant, and turns it where it is an entry.
+inline void changePlane(MapContent& content, std::size_t number, double by) {
+  const std::size_t width = content.parameters.size() + 1;
+  if (number % width == width - 1) {
+    content.planes[number] += by;
+  } else {
+    turnPlane(content, number / width, number % width, by);
+  }
+}
+
+/// The map's bytes with all planes multiplied and the checksum right, which no writer writes.
+inline std::string withScaledPlanes(std::string bytes, double factor) {
+  format::Header header = format::readHeader(bytes.data());
+  const format::SectionEntry& planes = header.sections[format::kPlanes];
+  for (std::size_t i = 0; i < planes.count * (header.parameters + 1); ++i) {
+    double value = 0.0;
+    char* const at = bytes.data() + planes.offset + i * sizeof value;
+    std::memcpy(&value, at, sizeof value);
+    value *= factor;
+    std::memcpy(at, &value, sizeof value);
+  }
+  header.checksum = format::checksum(bytes.data(), bytes.size());
+  std::memcpy(bytes.data() + offsetof(format::Header, checksum), &header.checksum, sizeof header.checksum);
+  return bytes;
+}
 
 }  // namespace polyfly

@@ -233,6 +233,12 @@ TEST(ProblemChecker, RefusesAnotherProblem) {
   EXPECT_NE(refusal(program, with("range: [-4, 3]", "range: [-4, 3.000001]")), "");
   EXPECT_NE(refusal(program, with("range: [-0.5, 0.4]", "range: [-0.5, 0.41]")), "");
   EXPECT_NE(refusal(program, with("horizon: 4", "horizon: 5")), "");
+  for (const char* const four : {"4.0", "+4", "0.4e1"})
+    EXPECT_EQ(refusal(program, with("horizon: 4", std::string("horizon: ") + four)), "") << four;
+  for (const char* const other : {"04", "0x4", "0o4", "'4'", "4.5", "-4", "1e99", ".inf", "", "[4]"})
+    EXPECT_NE(refusal(program, with("horizon: 4", std::string("horizon: ") + other)), "") << other;
+  EXPECT_NE(refusal(program, with("range: [-4, 3]", "range: [-04, 3]")).find("leading zeros"),
+            std::string::npos);
   EXPECT_NE(refusal(program, with("0.5]\n    - [0.5", "0.50001]\n    - [0.50001")), "");
   EXPECT_NE(refusal(program, with("0.3]\nparameters", "0.31]\nparameters")), "");
   EXPECT_NE(refusal(program, with("range: [-0.2, 0.25]", "range: [-0.2, 0.2]")), "");

@@ -66,7 +66,7 @@ TEST(WidenedCoverage, WrongMapsAreRefuted) {
   }
   for (std::size_t r = 0; r < content.planes.size(); r += 3) {
     MapContent wrong = content;
-    wrong.planes[r] += 1e-6;
+    changePlane(wrong, r, 1e-6);
     EXPECT_FALSE(certify(MapInMemory(wrong).map(), program).passed()) << "plane entry " << r;
   }
   const Partition whole = explore(program);

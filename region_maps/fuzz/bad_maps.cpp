@@ -194,6 +194,14 @@ std::vector<Rule> numberRules() {
       {"plane_nan", "section planes 0: holds a number that is not finite", put(format::kPlanes, 1, kNan)},
       {"plane_infinite", "section planes 5: holds a number that is not finite",
        put(format::kPlanes, 17, -kInfinity)},
+      {"plane_zero", "section planes 0: must have the length 1 in scaled parameters, has 0",
+       put(format::kPlanes, 0, 0.0)},
+      {"plane_short", "section planes 5: must have the length 1 in scaled parameters, has 1e-11",
+       put(format::kPlanes, 16, 1e-11)},
+      {"plane_long", "section planes 0: must have the length 1 in scaled parameters, has 1",
+       put(format::kPlanes, 0, 1.0 + 0x1.1p-40)},
+      {"plane_huge", "section planes 0: must have the length 1 in scaled parameters, has inf",
+       put(format::kPlanes, 1, 1e308)},
       {"law_nan", "section laws 3: holds a number that is not finite", put(format::kLaws, 9, kNan)},
   };
 }

@@ -19,6 +19,9 @@ using Node = MapContent::Node;
 using Leaf = MapContent::Leaf;
 using Region = MapContent::Region;
 
+/// By how much the length of a plane may differ from 1.
+constexpr double kMaxLengthError = 0x1p-40;  // [scaled]
+
 constexpr const char* kSectionNames[format::kSectionCount] = {"text",    "bounds",     "planes", "laws",
                                                               "regions", "rows",       "active", "nodes",
                                                               "leaves",  "candidates", "tests"};
@@ -77,6 +80,7 @@ class MapValidator {
   }
   void checkZero(std::uint64_t first, std::uint64_t end, const std::string& where) const;
   void checkFinite(Section section, std::uint64_t numbers) const;
+  void checkLengths() const;
   void checkRange(const Owner& owner, std::uint64_t first, std::uint64_t amount, Section section) const;
   void checkChild(const Owner& owner, std::uint32_t child, std::uint64_t least_node) const;
   std::vector<std::uint64_t> leafRowCounts() const;
@@ -197,6 +201,7 @@ void MapValidator::checkNumbers() const {
     if (b.lower == infinity || b.upper == -infinity) fail(signal + ": no value lies between its bounds");
   }
   checkFinite(format::kPlanes, p + 1);
+  checkLengths();
   checkFinite(format::kLaws, (p + 1) * header_.inputs);
   if (count(format::kLaws) == 0) fail("section laws: must not be empty");
 }
@@ -207,6 +212,26 @@ void MapValidator::checkFinite(Section section, std::uint64_t numbers) const {
     if (!std::isfinite(values[i])) {
       fail(std::string("section ") + at(kSectionNames[section], i / numbers) +
            ": holds a number that is not finite");
+    }
+  }
+}
+
+/// Only then are the tolerance, and all that is proven with it, distances.
+void MapValidator::checkLengths() const {
+  const std::uint64_t p = header_.parameters;
+  const Bounds* const bounds = start<Bounds>(format::kBounds);
+  const double* plane = start<double>(format::kPlanes);
+  for (std::uint64_t i = 0; i < count(format::kPlanes); ++i, plane += p + 1) {
+    double squared = 0.0;
+    for (std::uint64_t k = 0; k < p; ++k) {
+      const double scaled = plane[k] * (0.5 * bounds[k].upper - 0.5 * bounds[k].lower);
+      squared += scaled * scaled;
+    }
+    if (!(std::abs(std::sqrt(squared) - 1.0) <= kMaxLengthError)) {
+      std::ostringstream rule;
+      rule << "section " << at("planes", i) << ": must have the length 1 in scaled parameters, has "
+           << std::sqrt(squared);
+      fail(rule.str());
     }
   }
 }

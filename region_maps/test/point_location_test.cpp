@@ -247,9 +247,7 @@ TEST(PointLocationOnGrid, FacesOfTheBoxAreInsideAndTheNextNumberIsNot) {
 TEST(PointLocationTolerance, WidensTheBoxByATimesHalfItsRange) {
   constexpr double kTolerance = 1.0 / (1 << 27);
   MapContent content = makeGridMap(2, 4);
-  content.tolerance = kTolerance;
-  // Distances are in units of half the range, which is 2.
-  for (std::size_t i = 0; i < content.planes.size(); ++i) content.planes[i] *= 0.5;
+  content.tolerance = kTolerance;  // of half the range, which is 2
   const MadeMap made(std::move(content));
   for (const double sign : {-1.0, 1.0}) {
     double theta[] = {0.5, 2.0 + sign * (2.0 + 2.0 * kTolerance)};
@@ -327,7 +325,7 @@ TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
 // Two ordinary cells with a gap between them, and a fallback region over both and beyond.
 TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   MapContent content = makeGridMap(1, 4);  // cells [0, 1], [1, 2], [2, 3] and [3, 4]
-  constexpr double kTolerance = 1.0 / (1 << 27), kHandicap = kTolerance / 128.0;
+  constexpr double kTolerance = 1.0 / (1 << 27), kHandicap = kTolerance / 128.0, kGap = 2.0 * kHandicap;
   content.tolerance = kTolerance;
   content.nodes.clear();
   content.leaves = {{0, 3}};
@@ -336,7 +334,7 @@ TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   content.regions.resize(3);
   content.first_fallback = 2;
   // The second cell begins later.
-  content.planes.insert(content.planes.end(), {1.0, 1.0 + kHandicap});
+  content.planes.insert(content.planes.end(), {0.5, 0.5 * (1.0 + kGap)});
   const auto late = static_cast<std::int32_t>(content.planes.size() / 2);
   const auto set_lower = [&](std::uint32_t region, std::int32_t plane) {
     for (std::uint32_t i = 0; i < content.regions[region].row_count; ++i) {
@@ -358,11 +356,11 @@ TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   };
   EXPECT_EQ(region(0.5), 0);
   EXPECT_EQ(region(1.5), 1);
-  EXPECT_EQ(region(1.0 + 0.25 * kHandicap), 0) << "in the gap the nearer ordinary region answers";
-  EXPECT_EQ(region(1.0 + 0.75 * kHandicap), 1);
+  EXPECT_EQ(region(1.0 + 0.25 * kGap), 0) << "in the gap the nearer ordinary region answers";
+  EXPECT_EQ(region(1.0 + 0.75 * kGap), 1);
   EXPECT_EQ(region(2.0), 1);
-  EXPECT_EQ(region(2.0 + 0.5 * kHandicap), 1);
-  EXPECT_EQ(region(2.0 + 2.0 * kHandicap), 2) << "farther away, the fallback region that holds it";
+  EXPECT_EQ(region(2.0 + 0.5 * kGap), 1);
+  EXPECT_EQ(region(2.0 + 2.0 * kGap), 2) << "farther away, the fallback region that holds it";
   EXPECT_EQ(region(2.5), 2);
   EXPECT_EQ(region(3.0 + 0.5 * kTolerance), 2);
   EXPECT_EQ(region(3.5), -1);
@@ -433,6 +431,14 @@ TEST(PointLocationLeaf, AnEmptyLeafIsOutsideThePartition) {
 TEST(PointLocationBox, ARangeMayBeASinglePoint) {
   MapContent content = makeSmallMap();
   content.parameters[1].lower = content.parameters[1].upper = 0.5;
+  // A plane needs a range to have a length: those of this parameter lean by less than they are apart.
+  constexpr double kSteep = 1e6;
+  for (std::size_t j = 0; j <= 2; ++j) {
+    double* const plane = content.planes.data() + 3 * (3 + j);
+    plane[0] = 1.0;
+    plane[1] = kSteep;
+    plane[2] = kSteep * static_cast<double>(j);
+  }
   const MadeMap made(std::move(content));
   const double on[] = {1.5, 0.5};
   const double off[] = {1.5, std::nextafter(0.5, 1.0)};

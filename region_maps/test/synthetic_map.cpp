@@ -224,8 +224,8 @@ MapContent makeGridMap(std::uint32_t parameters, std::uint32_t cells) {
     // Plane i (cells + 1) + j is theta_i <= j.
     for (std::uint32_t j = 0; j <= cells; ++j) {
       std::vector<double> a(parameters, 0.0);
-      a[i] = 1.0;
-      addPlane(map, a, j);
+      a[i] = 2.0 / cells;
+      addPlane(map, a, a[i] * j);
     }
     regions *= cells;
   }

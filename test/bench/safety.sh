@@ -10,9 +10,7 @@ while read -r problem type range; do
   build/bin/offline_mpt solve "region_maps/problems/safety/$problem.yaml" -o "$place/filter.map" --quiet
   build/bin/offline_mpt verify "$place/filter.map" --exact --quiet
   build/bin/offline_mpt export "$place/filter.map" -o "$place" --name filter --type "$type" --quiet
-  real=$type
-  [[ $type == float ]] || real=double
-  gcc -std=c99 -O2 -ffp-contract=off "-DREAL=$real" "-I$place" test/bench/safety_adversary.c "$place/filter.c" -o "$place/adversary" -lm
+  gcc -std=c99 -O2 -ffp-contract=off "-DREAL=$type" "-I$place" test/bench/safety_adversary.c "$place/filter.c" -o "$place/adversary" -lm
   error=$(/usr/bin/python3 -c 'import json, sys
 told = json.load(open(sys.argv[1]))
 print(told["error_allowed"][0] - told["error_bound"][0])' "$place/filter.json")
@@ -20,13 +18,12 @@ print(told["error_allowed"][0] - told["error_bound"][0])' "$place/filter.json")
 done <<'KINDS'
 double_integrator double 50
 double_integrator_float float 2
-double_integrator_int16 int16 2
 KINDS
 build/bin/bench_safety "$folder/double/filter.map" > "$folder/rows.json"
 /usr/bin/python3 - "$folder" > "$output" <<'PYTHON'
 import json, sys
 rows = json.load(open(sys.argv[1] + "/rows.json"))
-for kind in ("double", "float", "int16"):
+for kind in ("double", "float"):
     flown = json.load(open(sys.argv[1] + "/" + kind + "/adversary.json"))
     wrong = flown["left"] + flown["left_between"] + flown["unanswered"]
     rows.append({"name": "exported C, %s: adversarial steps" % kind, "value": flown["steps"], "unit": "steps"})

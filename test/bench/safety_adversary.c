@@ -15,18 +15,10 @@
 
 /* The answer of the code; 0 where there is none. */
 static int answer(double p, double v, double wish, double *u) {
-#if defined(FILTER_THETA_0_EXPONENT)
-    const int16_t theta[3] = {(int16_t)lrint(ldexp(p, FILTER_THETA_0_EXPONENT)), (int16_t)lrint(ldexp(v, FILTER_THETA_1_EXPONENT)),
-                              (int16_t)lrint(ldexp(wish, FILTER_THETA_2_EXPONENT))};
-    int16_t found[1] = {0};
-    const int ok = filter_evaluate(theta, found) == FILTER_OK;
-    *u = ldexp(found[0], -FILTER_U_0_EXPONENT);
-#else
     const REAL theta[3] = {(REAL)p, (REAL)v, (REAL)wish};
     REAL found[1] = {0};
     const int ok = filter_evaluate(theta, found) == FILTER_OK;
     *u = (double)found[0];
-#endif
     return ok;
 }
 

@@ -13,13 +13,12 @@ build/bin/offline_mpt export "$output/filter.map" -o "$output/map_double" --name
 for type in double float; do
   build/bin/offline_mpt export "$output/filter.map" -o "$output/online_$type" --name filter --online --type $type || return
 done
-# The filter of (state, wish). The caller limits the wish to the range of the input. The sets of float and int16 count on the error of
+# The filter of (state, wish). The caller limits the wish to the range of the input. The set of float counts on the error of
 # the code.
 problems=region_maps/problems/safety
 sed -e 's/, wish: \[-50, 50\]//' "$problems/double_integrator.yaml" > "$output/safe_double.yaml"
 cp "$problems/double_integrator_float.yaml" "$output/safe_float.yaml"
-cp "$problems/double_integrator_int16.yaml" "$output/safe_int16.yaml"
-for type in double float int16; do
+for type in double float; do
   build/bin/offline_mpt solve "$output/safe_$type.yaml" -o "$output/safe_$type.map" || return
   build/bin/offline_mpt verify "$output/safe_$type.map" --exact || return
   build/bin/offline_mpt export "$output/safe_$type.map" -o "$output/safe_$type" --name filter --type "$type" || return

@@ -5,7 +5,6 @@ import os
 import random
 
 import embedded_program as benchmark
-from measure_export import exponents, words
 
 WISH_LIMIT = 2.0  # the input's, to which a wish is limited before the look-up; it changes no answer [m/s^2]
 NOISE = 0.01  # of both states in a step [m], [m/s]
@@ -20,13 +19,11 @@ RANGES = (benchmark.STATE_LIMIT, benchmark.STATE_LIMIT, WISH_LIMIT)
 def compiled(place, real):
     """The compiled look-up as a function of theta: u, or None where it has no answer."""
     library = ctypes.CDLL(os.path.join(os.path.abspath(place), "filter.so"))
-    number = {"double": ctypes.c_double, "float": ctypes.c_float, "int16": ctypes.c_int16}[real]
-    scales = exponents(place, "filter", "THETA") if real == "int16" else []
-    unit = 2.0 ** -exponents(place, "filter", "U")[0] if scales else 1.0
+    number = {"double": ctypes.c_double, "float": ctypes.c_float}[real]
 
     def evaluate(theta):
         u = number(0)
-        return u.value * unit if library.filter_evaluate((number * PARAMETERS)(*words(theta, scales)), ctypes.byref(u)) == 0 else None
+        return u.value if library.filter_evaluate((number * PARAMETERS)(*theta), ctypes.byref(u)) == 0 else None
 
     return evaluate
 

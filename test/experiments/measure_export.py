@@ -30,34 +30,17 @@ def run(command, folder=None):
     return done
 
 
-def type_of(real):
-    return "int16_t" if real == "int16" else real
-
-
-def exponents(place, name, signal):
-    """Of code of integers, those of a signal; of other types, none."""
-    with open(os.path.join(place, name + ".h")) as file:
-        found = re.findall(r"_%s_\d+_EXPONENT \(?(-?\d+)\)?" % signal, file.read())
-    return [int(value) for value in found]
-
-
-def words(theta, scales):
-    """The numbers that the code is given."""
-    return [max(-32767, min(32767, round(value * 2.0 ** scale))) for value, scale in zip(theta, scales)] if scales else list(theta)
-
-
 def write_inputs(place, real, thetas, input_count):
     numbers = ",\n".join("{%s}" % ", ".join("(REAL)%r" % value for value in theta) for theta in thetas)
-    answer = "(int32_t)(u)" if real == "int16" else "(int32_t)((u) * (REAL)1e9)"
     with open(os.path.join(place, "embedded_inputs.h"), "w") as file:
-        file.write("#define REAL %s\n#define PARAMETER_COUNT %d\n#define INPUT_COUNT %du\n#define ANSWER_COUNT %d\n#define ANSWER(u) %s\n"
+        file.write("#define REAL %s\n#define PARAMETER_COUNT %d\n#define INPUT_COUNT %du\n#define ANSWER_COUNT %d\n#define ANSWER(u) (int32_t)((u) * (REAL)1e9)\n"
                    "static const REAL inputs[INPUT_COUNT][PARAMETER_COUNT] = {%s};\n"
-                   % (type_of(real), len(thetas[0]), len(thetas), input_count, answer, numbers))
+                   % (real, len(thetas[0]), len(thetas), input_count, numbers))
     for file in ("embedded_count.c", "embedded_memory.ld"):
         shutil.copy(os.path.join(HERE, file), place)
 
 
-def emulate(place, sources, unit):
+def emulate(place, sources):
     """Rows (status, instructions, first input) of the inputs in embedded_inputs.h."""
     run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-nostartfiles", "-T", "embedded_memory.ld", "embedded_count.c", *sources, "-lm", "-o", "count.elf"],
         place)
@@ -66,7 +49,7 @@ def emulate(place, sources, unit):
     answers = []
     for line in (told.stdout + told.stderr).splitlines():
         status, instructions, u = (int(word, 16) for word in line.split())
-        answers.append((status, instructions, (u - (1 << 32) if u >> 31 else u) * unit))
+        answers.append((status, instructions, (u - (1 << 32) if u >> 31 else u) / BILLION))
     return answers
 
 
@@ -78,9 +61,8 @@ def sizes(place, file):
 
 def count(place, code, thetas, input_count=1):
     """What the code in a folder takes. The stack is the sum of all its functions, without the compiler's own routines."""
-    scales = exponents(place, code.name, "THETA") if code.real == "int16" else []
-    write_inputs(place, code.real, [words(theta, scales) for theta in thetas], input_count)
-    real = type_of(code.real)
+    write_inputs(place, code.real, thetas, input_count)
+    real = code.real
     with open(os.path.join(place, "answer.c"), "w") as file:
         file.write('#include "%s.h"\n%s\nint embeddedAnswer(const %s theta[%d], %s u[%d]);\nint embeddedAnswer(const %s theta[%d], %s u[%d]) '
                    "{ return (int)%s; }\n"
@@ -90,16 +72,15 @@ def count(place, code, thetas, input_count=1):
     run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-fstack-usage", "-c", source, "-o", object_file], place)
     with open(os.path.join(place, code.name + ".su")) as file:
         stack = sum(int(line.split("\t")[1]) for line in file)
-    unit = 2.0 ** -exponents(place, code.name, "U")[0] if scales else 1.0 / BILLION
     with open(os.path.join(place, code.name + ".json")) as file:
         ram = json.load(file).get("workspace_bytes", 0)
-    return Measured(sizes(place, object_file)[0], ram, stack, emulate(place, ["answer.c", source], unit))
+    return Measured(sizes(place, object_file)[0], ram, stack, emulate(place, ["answer.c", source]))
 
 
 def count_library(place, library, real, thetas):
     """(bytes of flash, of RAM, rows as of emulate) of a peer's object or library that defines embeddedAnswer."""
     write_inputs(place, real, thetas, 1)
-    answers = emulate(place, [library], 1.0 / BILLION)
+    answers = emulate(place, [library])
     return (*sizes(place, library), answers)
 
 
@@ -109,10 +90,8 @@ def vectors(place, name, facts):
         text = file.read()
     first = text.index("_theta[") if "_theta[" in text else text.index(" theta[")
     numbers = [float(word.rstrip("f")) for word in re.findall(r"-?\d[\d.e+-]*f?", text[text.index("{", first):text.index(";", first)])]
-    scales = exponents(place, name, "THETA") if facts["type"] == "int16" else []
     size = facts["parameters"]
-    rows = [numbers[i:i + size] for i in range(0, len(numbers), size)]
-    return [[value * 2.0 ** -scale for value, scale in zip(row, scales)] if scales else row for row in rows]
+    return [numbers[i:i + size] for i in range(0, len(numbers), size)]
 
 
 def main(place):

@@ -3,9 +3,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
+#include <optional>
 #include <set>
 #include <sstream>
 
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 
@@ -32,28 +34,19 @@ class Fields {
   double number(const std::string& key, double fallback, double least, double greatest) {
     known_.insert(key);
     if (!node_[key]) return fallback;
-    double value = 0.0;
-    try {
-      value = node_[key].as<double>();
-    } catch (const YAML::Exception&) {
-      refuse(key, "must be a number");
-    }
-    requireRange(key, value, least, greatest);
-    return value;
+    return numberOf(key, node_[key], least, greatest);
   }
 
   std::vector<double> numbers(const std::string& key, double least, double greatest) {
     known_.insert(key);
     if (!node_[key]) refuse(key, "missing");
     std::vector<double> values;
-    try {
-      values = node_[key].IsSequence() ? node_[key].as<std::vector<double>>()
-                                       : std::vector<double>{node_[key].as<double>()};
-    } catch (const YAML::Exception&) {
-      refuse(key, "must be a number or a list of numbers");
+    if (node_[key].IsSequence()) {
+      for (const YAML::Node& entry : node_[key]) values.push_back(numberOf(key, entry, least, greatest));
+    } else {
+      values.push_back(numberOf(key, node_[key], least, greatest));
     }
     if (values.empty()) refuse(key, "must not be empty");
-    for (const double value : values) requireRange(key, value, least, greatest);
     return values;
   }
 
@@ -94,6 +87,13 @@ class Fields {
   }
 
  private:
+  double numberOf(const std::string& key, const YAML::Node& node, double least, double greatest) const {
+    const std::optional<double> value = node.IsScalar() ? decimalNumber(node.Scalar()) : std::nullopt;
+    if (!value) refuse(key, std::string("must be a number") + kDecimalRule);
+    requireRange(key, *value, least, greatest);
+    return *value;
+  }
+
   // Written so that NaN fails.
   void requireRange(const std::string& key, double value, double least, double greatest) const {
     if (value >= least && value <= greatest) return;

@@ -6,12 +6,15 @@
 #include <cstring>
 
 #include "checksum.hpp"
+#include "core/rows.hpp"
 
 namespace checker {
 namespace {
 
 // Greatest tolerance of a map, see region_maps/FORMAT.md.
 constexpr double kMaxTolerance = 1e-8;
+// By how much the length of a plane may differ from 1.
+constexpr double kMaxLengthError = 0x1p-40;
 
 template <typename T>
 T load(const std::string& bytes, std::size_t at) {
@@ -69,6 +72,7 @@ Map::Map(const std::string& file) {
   candidates = section<std::uint32_t>(file, 9, 1);
   if (version == 2) tests = section<std::uint32_t>(file, 10, 1);
   checkTables();
+  checkLengths();
   checkTree();
 }
 
@@ -99,6 +103,23 @@ void Map::checkTables() const {
         table == &bounds ? 2 * std::size_t{p} : table->size();  // inputs may have no bounds
     for (std::size_t k = 0; k < finite; ++k)
       require(std::isfinite((*table)[k]), "the map has an entry that is no number");
+  }
+}
+
+/// Tolerances are distances only where every plane has the length 1 in scaled parameters.
+void Map::checkLengths() const {
+  const Fraction most = 1 + Fraction(kMaxLengthError), least = 1 - Fraction(kMaxLengthError);
+  std::vector<Fraction> half;
+  for (std::size_t j = 0; j < p; ++j)
+    half.emplace_back((Fraction(bounds[2 * j + 1]) - Fraction(bounds[2 * j])) / 2);
+  for (std::size_t at = 0; at < planes.size(); at += p + 1) {
+    Fraction squared;
+    for (std::size_t j = 0; j < p; ++j) {
+      const Fraction scaled = half[j] * Fraction(planes[at + j]);
+      squared += scaled * scaled;
+    }
+    require(least * least <= squared && squared <= most * most,
+            "a plane of the map has another length than 1 in scaled parameters");
   }
 }
 

@@ -46,6 +46,7 @@ struct Map {
  private:
   void readText(const std::string& file);
   void checkTables() const;
+  void checkLengths() const;
   void checkTree() const;
 };
 

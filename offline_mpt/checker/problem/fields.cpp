@@ -2,10 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <regex>
 
 #include "core/text.hpp"
 
 namespace checker {
+namespace {
+
+constexpr double kGreatestCount = 1e9;
+
+}  // namespace
 
 void requireKeys(const YAML::Node& node, const std::set<std::string>& known) {
   require(node.IsMap(), "problem: an entry has no keys");
@@ -24,10 +31,25 @@ std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& wor
   return static_cast<std::size_t>(at - words.begin());
 }
 
-double numberOf(const YAML::Node& node) {
-  const auto value = node.as<double>();
+double numberOf(const std::string& text) {
+  static const std::regex decimal(R"([-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?)");
+  require(std::regex_match(text, decimal),
+          "problem: " + text + " is no number in decimal digits without leading zeros");
+  const double value = std::strtod(text.c_str(), nullptr);
   require(std::isfinite(value), "problem: a number is not finite");
   return value;
+}
+
+double numberOf(const YAML::Node& node) {
+  require(node.IsScalar() && node.Tag() != "!", "problem: a number is missing");  // "!": in quotes
+  return numberOf(node.Scalar());
+}
+
+std::size_t countOf(const YAML::Node& node) {
+  const double value = numberOf(node);
+  require(value >= 0.0 && value <= kGreatestCount && value == std::floor(value),
+          "problem: " + node.Scalar() + " is no whole number in range");
+  return static_cast<std::size_t>(value);
 }
 
 std::pair<double, double> rangeOf(const YAML::Node& node) {

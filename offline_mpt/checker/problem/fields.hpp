@@ -19,8 +19,11 @@ void requireKeys(const YAML::Node& node, const std::set<std::string>& known);
 /// One of several words; the first where there is none.
 std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& words);
 
-/// A finite number.
+/// A finite number in decimal digits, which no zero leads: readers of YAML disagree on 010.
 double numberOf(const YAML::Node& node);
+double numberOf(const std::string& text);
+/// Such a number that is whole: 8 and 8.0 are 8.
+std::size_t countOf(const YAML::Node& node);
 /// Two numbers.
 std::pair<double, double> rangeOf(const YAML::Node& node);
 

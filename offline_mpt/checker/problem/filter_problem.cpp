@@ -65,7 +65,7 @@ void readSafeSet(const YAML::Node& set, FilterProblem& problem) {
 FilterProblem readFilter(const YAML::Node& root) {
   requireKeys(root, {"polyfly_problem", "name", "type", "description", "model", "sampling_time", "delay",
                      "margin", "safe_set"});
-  require(root["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
+  require(countOf(root["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
   require(root["type"].as<std::string>() == "safety_filter", "problem: is of no type safety_filter");
   const YAML::Node model = root["model"];
   requireKeys(model, {"states", "inputs", "disturbances", "A", "B", "B_d"});

@@ -31,6 +31,8 @@ mpz_class powerOfTen(long exponent) {
 
 /// A decimal number without sign: digits, perhaps a point, perhaps an exponent.
 Fraction decimalOf(const std::string& text) {
+  const bool leads = text.size() > 1 && text[0] == '0' && text[1] >= '0' && text[1] <= '9';
+  require(!leads, "problem: " + text + " is no number in decimal digits without leading zeros");
   const std::size_t e = text.find_first_of("eE");
   std::string digits = text.substr(0, e);
   long exponent = 0;
@@ -104,10 +106,10 @@ class RobustReader {
     requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
                         "sampling_time", "horizon", "stack", "feedback_predictions", "feedback_gain",
                         "tie_break", "floor", "invariance", "peak_in_map", "parameters"});
-    require(root_["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
+    require(countOf(root_["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
     require(root_["type"].as<std::string>() == "robust_mpc", "problem: is of no type robust_mpc");
     problem_.sampling_time = Fraction(numberOf(root_["sampling_time"]));
-    problem_.horizon = root_["horizon"].as<std::size_t>();
+    problem_.horizon = countOf(root_["horizon"]);
     require(problem_.sampling_time > 0 && problem_.horizon >= 2 && problem_.horizon <= kMostStages,
             "problem: sampling_time or horizon is out of range");
     readSignals(root_["model"]);
@@ -139,7 +141,7 @@ class RobustReader {
   void readModel(const YAML::Node& model) {
     const std::size_t nx = states_.size();
     problem_.is_discrete = choiceOf(model["time"], {"continuous", "discrete"}) == 1;
-    if (model["bits"]) problem_.bits = model["bits"].as<unsigned>();
+    if (model["bits"]) problem_.bits = static_cast<unsigned>(countOf(model["bits"]));
     require(problem_.bits >= 8 && problem_.bits <= kMostBits, "problem: bits is out of range");
     problem_.A = exactMatrix(model["A"], nx);
     problem_.B = exactMatrix(model["B"], 1);

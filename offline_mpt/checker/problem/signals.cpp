@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "problem/fields.hpp"
+
 namespace checker {
 namespace {
 
@@ -20,8 +22,8 @@ struct Signal {
 double quotientOf(const YAML::Node& node) {
   const auto text = node.as<std::string>();
   const std::size_t slash = text.find('/');
-  if (slash == std::string::npos) return node.as<double>();
-  return YAML::Node(text.substr(0, slash)).as<double>() / YAML::Node(text.substr(slash + 1)).as<double>();
+  if (slash == std::string::npos) return numberOf(text);
+  return numberOf(text.substr(0, slash)) / numberOf(text.substr(slash + 1));
 }
 
 Signal signalOf(const YAML::Node& node) {
@@ -56,7 +58,7 @@ std::vector<Signal> signalsOfFilter(const YAML::Node& root) {
     wishes.back().lower = quotientOf(input["wish"][0]);
     wishes.back().upper = quotientOf(input["wish"][1]);
   }
-  if (root["delay"] && root["delay"].as<double>() > 0.0) {
+  if (root["delay"] && numberOf(root["delay"]) > 0.0) {
     for (Signal before : inputs) {
       before.name += "_before";
       signals.push_back(std::move(before));
@@ -79,14 +81,14 @@ std::vector<Signal> signalsOfProgram(const YAML::Node& root, std::size_t p, std:
       signals.back().name = named[j]["name"].as<std::string>();
       signals.back().unit = named[j]["unit"].as<std::string>();
       const YAML::Node lower = named[j]["lower"], upper = named[j]["upper"];
-      if (lower && !lower.IsNull()) signals.back().lower = lower.as<double>();
-      if (upper && !upper.IsNull()) signals.back().upper = upper.as<double>();
+      if (lower && !lower.IsNull()) signals.back().lower = numberOf(lower);
+      if (upper && !upper.IsNull()) signals.back().upper = numberOf(upper);
     }
   };
   add("parameters", "theta_", p);
   for (std::size_t j = 0; j < p; ++j) {
-    signals[j].lower = root["lb"][j].as<double>();
-    signals[j].upper = root["ub"][j].as<double>();
+    signals[j].lower = numberOf(root["lb"][j]);
+    signals[j].upper = numberOf(root["ub"][j]);
   }
   add("inputs", "u_", q);
   return signals;
@@ -116,7 +118,7 @@ void match(const Map& map, const YAML::Node& root) {
             signal.name + ": its range is not that of the problem");
   }
   const YAML::Node period = root[is_program ? "period" : "sampling_time"];
-  require(map.period == (period ? period.as<double>() : 0.0), "the map's period is not that of the problem");
+  require(map.period == (period ? numberOf(period) : 0.0), "the map's period is not that of the problem");
 }
 
 }  // namespace

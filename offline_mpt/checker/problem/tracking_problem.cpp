@@ -41,7 +41,7 @@ class Reader {
     requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
                         "sampling_time", "horizon", "moves", "control_horizon", "weights", "terminal_set",
                         "constraints", "parameters"});
-    require(root_["polyfly_problem"].as<int>() == 1, "problem: polyfly_problem: is another version");
+    require(countOf(root_["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
     require(root_["type"].as<std::string>() == "tracking_mpc", "problem: is of no type tracking_mpc");
     readSignals(root_["model"]);
     readModel(root_["model"]);
@@ -112,13 +112,13 @@ class Reader {
   }
 
   void readBlocks() {
-    const auto horizon = root_["horizon"].as<std::size_t>();
+    const auto horizon = countOf(root_["horizon"]);
     require(horizon >= 1 && horizon <= kMostSteps, "problem: horizon is out of range");
     if (root_["moves"]) {
-      problem_.blocks = root_["moves"].as<std::vector<std::size_t>>();
+      require(root_["moves"].IsSequence(), "problem: moves is no list");
+      for (const auto& node : root_["moves"]) problem_.blocks.push_back(countOf(node));
     } else {
-      const std::size_t count =
-          root_["control_horizon"] ? root_["control_horizon"].as<std::size_t>() : horizon;
+      const std::size_t count = root_["control_horizon"] ? countOf(root_["control_horizon"]) : horizon;
       require(count >= 1 && count <= horizon, "problem: control_horizon is out of range");
       problem_.blocks.assign(count, 1);
       problem_.blocks.back() += horizon - count;

@@ -112,6 +112,12 @@ class Trial {
     }
     if (code_.record.solved == 0) throw Error(program_.name + ": no parameter that was tried has a solution");
     if (!costliest_.empty()) addVector(costliest_, 0, costliest_u_);
+    if (code_.vectors.status.empty()) {
+      throw Error(program_.name +
+                  ": another solver confirms none of the answers: the limits are as narrow as rounding. "
+                  "State the inputs "
+                  "in a smaller unit");
+    }
     finish();
   }
 

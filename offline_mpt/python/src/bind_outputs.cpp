@@ -52,8 +52,8 @@ void explorePage(const LoadedMap& map, const Path& path, const std::optional<Num
 ExportType exportType(const std::string& name) {
   if (name == "double") return ExportType::kDouble;
   if (name == "float") return ExportType::kFloat;
-  if (name == "int16") return ExportType::kInt16;
-  throw Error("type: must be double, float or int16, got '" + name + "'");
+  if (name == "int16") throw Error(std::string("type: ") + kNoInt16);
+  throw Error("type: must be double or float, got '" + name + "'");
 }
 
 void exportCode(const LoadedMap& map, const std::string& name, const Path& folder, const std::string& type) {
@@ -81,7 +81,7 @@ void bindOutputs(py::class_<LoadedMap>& type) {
            "[s] and the parameters.")
       .def("export", &exportCode, py::arg("name"), py::arg("folder") = ".", py::arg("type") = "double",
            "Writes the map as C99 code: NAME.c, NAME.h, NAME_test.c, NAME.json. type: double gives the same "
-           "answers, float and int16 answer within a proven bound. Raises Error and writes nothing where "
+           "answers, float answers within a proven bound. Raises Error and writes nothing where "
            "that cannot "
            "be proven.");
 }

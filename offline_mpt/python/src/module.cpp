@@ -6,6 +6,25 @@
 #include "polyfly_base/error.hpp"
 
 namespace polyfly::python {
+namespace {
+
+PyObject* makeInstance(PyTypeObject* type, PyObject*, PyObject*) {
+  return pybind11::detail::make_new_instance(type);
+}
+
+/// Type.__new__(Type) would make an object without a value, which reads memory that was never written. Python refuses
+/// the __new__ of a base class whose slot is another one. A call of the type uses the slot, and __init__ follows.
+void refuseObjectsWithoutValue(const pybind11::module_& module) {
+  for (const auto& entry : pybind11::dict(module.attr("__dict__"))) {
+    if (!pybind11::isinstance<pybind11::type>(entry.second)) continue;
+    auto* const type = reinterpret_cast<PyTypeObject*>(entry.second.ptr());
+    if (pybind11::detail::get_type_info(type) == nullptr) continue;
+    type->tp_new = makeInstance;
+    PyType_Modified(type);
+  }
+}
+
+}  // namespace
 
 PYBIND11_MODULE(_polyfly, module) {
   module.doc() = "Explicit MPC: what the package polyfly offers of the C++ libraries.";
@@ -24,6 +43,7 @@ PYBIND11_MODULE(_polyfly, module) {
   bindDiff(module);
   bindMaps(module, map);
   bindOutputs(map);
+  refuseObjectsWithoutValue(module);
 }
 
 }  // namespace polyfly::python

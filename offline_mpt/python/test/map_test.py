@@ -1,12 +1,15 @@
 """Look-ups, views, proofs and files of maps."""
+import copy
 import os
 import pathlib
+import pickle
 import subprocess
 import tempfile
 import unittest
 
 import numpy as np
 import polyfly as pf
+from polyfly import _polyfly
 import run_test
 from oracles import BEMPORAD, ROOT, minimiser, random_parameters
 
@@ -136,6 +139,26 @@ class Regions(unittest.TestCase):
                 array[...] = 0
         del region, self.map
         np.testing.assert_array_equal(copied, gain)
+
+
+class ObjectsWithoutValue(unittest.TestCase):
+    """No type makes an object whose C++ value was never written."""
+
+    def test_every_type_of_the_module_refuses_new(self):
+        types = [value for value in vars(_polyfly).values()
+                 if isinstance(value, type) and not issubclass(value, BaseException)]
+        self.assertGreater(len(types), 15)
+        for bound in types:
+            self.assertRaises(TypeError, bound.__new__, bound)
+            self.assertRaises(TypeError, object.__new__, bound)
+            own = type("Own", (bound,), {})
+            self.assertRaises(TypeError, own.__new__, own)
+
+    def test_copies_are_refused_as_well(self):
+        law = pf.MPQP(*BEMPORAD.values()).solve()
+        for value in (law, law.regions[0], law.parameters[0]):
+            self.assertRaises(TypeError, copy.copy, value)
+            self.assertRaises(TypeError, pickle.dumps, value)
 
 
 class Files(unittest.TestCase):

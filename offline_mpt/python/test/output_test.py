@@ -91,7 +91,7 @@ class Export(FolderCase):
         vertical = self.folder / "vertical.map"
         pf.load(ROOT / "region_maps/problems/multirotor_vertical.yaml").solve().save(vertical)
         for path in (self.path, vertical):
-            for kind in ("double", "float", "int16"):
+            for kind in ("double", "float"):
                 by_tool = self.folder / path.stem / kind / "tool"
                 by_module = self.folder / path.stem / kind / "module"
                 self.assertEqual(0, tool("export", path, "--name", "clip", "--type", kind, "-o", by_tool))
@@ -120,8 +120,10 @@ class Export(FolderCase):
         self.assertEqual(["law.map"], self.names())
 
     def test_wrong_arguments_write_nothing(self):
-        with self.assertRaisesRegex(pf.Error, "type: must be double, float or int16, got 'half'"):
+        with self.assertRaisesRegex(pf.Error, "type: must be double or float, got 'half'"):
             self.map.export("clip", self.folder, "half")
+        with self.assertRaisesRegex(pf.Error, "type: int16 was removed.*use float"):
+            self.map.export("clip", self.folder, "int16")
         with self.assertRaisesRegex(pf.Error, "2clip"):
             self.map.export("2clip", self.folder / "code")
         with self.assertRaisesRegex(pf.Error, "the folder to write to must have a name"):

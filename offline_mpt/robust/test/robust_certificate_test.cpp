@@ -139,7 +139,7 @@ TEST_F(RobustMutation, EntriesOfTheMapAreChecked) {
   }
   for (std::size_t k = 0; k < content_.planes.size(); ++k) {
     MapContent changed = content_;
-    changed.planes[k] += 1e-6;
+    changePlane(changed, k, 1e-6);
     EXPECT_NE(refusalOfMap(changed).find("plane"), std::string::npos) << k;
   }
   const auto facets = static_cast<int>(smallProof().solved.set.facets.size());

@@ -174,9 +174,13 @@ TEST(RobustProof, RefusesChangedMaps) {
   Random random(3);
   for (int k = 0; k < 20; ++k) {
     MapContent changed = content;
-    std::vector<double>& numbers = k % 2 == 0 ? changed.laws : changed.planes;
+    const std::vector<double>& numbers = k % 2 == 0 ? changed.laws : changed.planes;
     const auto entry = static_cast<std::size_t>(random.below(static_cast<int>(numbers.size())));
-    numbers[entry] += 1e-6;
+    if (k % 2 == 0) {
+      changed.laws[entry] += 1e-6;
+    } else {
+      changePlane(changed, entry, 1e-6);
+    }
     const MapInMemory memory(changed);
     EXPECT_FALSE(proveRobustMap(memory.map(), solved.problem).passed()) << k;
   }

@@ -188,20 +188,20 @@ TEST_F(FilterCommand, TheExportedFilterKeepsTheRangesAgainstAnAdversary) {
   EXPECT_GT(counts["greatest_v"], 1.49);
 }
 
-// Code of integers, with the error that a problem has to allow for it.
+// Code of floats, with the error that a problem has to allow for it.
 TEST_F(FilterCommand, TheProofAllowsTheErrorOfTheExportedCodeOrTheCommandTells) {
-  const std::string file = projectRoot() + "/region_maps/problems/safety/double_integrator_int16.yaml";
+  const std::string file = projectRoot() + "/region_maps/problems/safety/double_integrator_float.yaml";
   const auto exported = [&](const std::string& problem) {
     EXPECT_EQ(run({"solve", problem, "-o", path("filter.map"), "--quiet", "--force"}).exit_code, 0);
     const Outcome outcome =
-        run({"export", path("filter.map"), "-o", path("c"), "--name", "filter", "--type", "int16"});
+        run({"export", path("filter.map"), "-o", path("c"), "--name", "filter", "--type", "float"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.err;
   };
   std::string text = readBytes(file);
-  const std::string allowance = "error: 0.4";
+  const std::string allowance = "error: 0.005";
   ASSERT_NE(text.find(allowance), std::string::npos);
-  text.replace(text.find(allowance), allowance.size(), "error: 0.1");
+  text.replace(text.find(allowance), allowance.size(), "error: 1.0e-4");
   EXPECT_NE(exported(write("tight.yaml", text)).find("exceeds what the safety filter's proof allows"),
             std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(readBytes(path("c/filter.json")))["is_allowed"], false);
@@ -210,7 +210,7 @@ TEST_F(FilterCommand, TheProofAllowsTheErrorOfTheExportedCodeOrTheCommandTells) 
   EXPECT_EQ(exported(file), "");
   const auto facts = nlohmann::json::parse(readBytes(path("c/filter.json")));
   EXPECT_EQ(facts["is_allowed"], true);
-  EXPECT_LE(facts["error_bound"][0], 0.4);
+  EXPECT_LE(facts["error_bound"][0], 0.005);
   ASSERT_EQ(run({"verify", path("filter.map"), "--exact", "--quiet"}).exit_code, 0);
   EXPECT_EQ(start({CHECK_CERTIFICATE, "--export", path("c"), "--map", path("filter.map")}).exit_code, 0);
   const Outcome compiled = start({"/usr/bin/env", "gcc", "-std=c99", "-O2", "-I" + path("c"),

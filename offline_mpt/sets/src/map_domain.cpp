@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "tolerances.hpp"
 
@@ -58,7 +59,11 @@ class DomainGuess {
     std::vector<ExactHalfSpace> result;
     for (const ExactHalfSpace& facet : smallest.rows) {
       const auto is = [&](const ExactHalfSpace& row) { return sameHalfSpace(row, facet); };
-      result.push_back(*std::find_if(set.rows.begin(), set.rows.end(), is));
+      const auto found = std::find_if(set.rows.begin(), set.rows.end(), is);
+      // With a tolerance as wide as the domain, all half-spaces are outer ones, and nothing is within all of them.
+      if (found == set.rows.end())
+        throw Error("tolerance: is so wide that nothing remains of the map's domain");
+      result.push_back(*found);
     }
     // Equalities belong to parameters that cannot change.
     for (const ExactHalfSpace& row : smallest.equalities) {

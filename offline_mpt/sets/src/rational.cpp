@@ -1,10 +1,10 @@
 #include "polytope_sets/rational.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+
+#include "polyfly_base/decimal.hpp"
 
 namespace polyfly {
 namespace {
@@ -12,13 +12,14 @@ namespace {
 constexpr long kMaxExponent = 400;  // beyond the range of a double
 constexpr std::size_t kMaxDigits = 4000;
 
-bool allDigits(const std::string& text) {
-  return !text.empty() && text.size() <= kMaxDigits &&
-         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+bool isWhole(const std::string& text) {
+  return text.size() <= kMaxDigits && text.find_first_not_of("0123456789") == std::string::npos &&
+         isDecimal(text);
 }
 
 // "12.5e-3" without its sign.
 bool parseDecimal(const std::string& text, Rational& value) {
+  if (!isDecimal(text) || text[0] == '-' || text[0] == '+') return false;
   const std::size_t e = text.find_first_of("eE");
   std::string mantissa = text.substr(0, e);
   long exponent = 0;
@@ -26,7 +27,7 @@ bool parseDecimal(const std::string& text, Rational& value) {
     std::string digits = text.substr(e + 1);
     const bool negative = !digits.empty() && digits[0] == '-';
     if (!digits.empty() && (digits[0] == '-' || digits[0] == '+')) digits.erase(0, 1);
-    if (!allDigits(digits) || digits.size() > 4) return false;
+    if (digits.size() > 4) return false;
     exponent = std::strtol(digits.c_str(), nullptr, 10);
     if (exponent > kMaxExponent) return false;
     if (negative) exponent = -exponent;
@@ -36,7 +37,7 @@ bool parseDecimal(const std::string& text, Rational& value) {
     exponent -= static_cast<long>(mantissa.size() - point - 1);
     mantissa.erase(point, 1);
   }
-  if (!allDigits(mantissa)) return false;
+  if (mantissa.size() > kMaxDigits) return false;
   Integer power;
   mpz_ui_pow_ui(power.get_mpz_t(), 10, static_cast<unsigned long>(std::labs(exponent)));
   const Integer whole(mantissa, 10);
@@ -102,7 +103,7 @@ bool parseRational(const std::string& text, Rational& value) {
     if (!parseDecimal(rest, value)) return false;
   } else {
     const std::string above = rest.substr(0, slash), below = rest.substr(slash + 1);
-    if (!allDigits(above) || !allDigits(below)) return false;
+    if (!isWhole(above) || !isWhole(below)) return false;
     const Integer denominator(below, 10);
     if (denominator == 0) return false;
     value = Rational(Integer(above, 10), denominator);

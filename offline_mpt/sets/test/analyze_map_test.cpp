@@ -221,6 +221,16 @@ TEST(AnalyzeMap, ToleranceForgivesRoundingOnly) {
   EXPECT_LT(strict.greatest_excess, 1e-9);
 }
 
+// So wide a tolerance makes every half-space an outer one, and together they hold nothing.
+TEST(AnalyzeMap, AToleranceAsWideAsTheDomainIsRefused) {
+  AnalyzeOptions options;
+  for (const double tolerance : {2.0, 3.0, 100.0, 1e300}) {
+    options.tolerance = tolerance;
+    EXPECT_THROW(analyzed(scalarMap(), scalarModel("1"), options), Error) << tolerance;
+    EXPECT_THROW(analyzed(doubleIntegratorMap("0.1"), doubleIntegrator("0.1"), options), Error) << tolerance;
+  }
+}
+
 TEST(AnalyzeMap, WithinASet) {
   AnalyzeOptions options;
   options.within = ExactPolytope::box({Rational(-3)}, {Rational(3)});

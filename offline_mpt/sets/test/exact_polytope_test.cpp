@@ -73,8 +73,8 @@ TEST(Rational, ReadsDecimalsAsTheyAreWritten) {
             (RationalVector{Rational(1, 10), Rational(-1, 400), Rational(1, 3), Rational(4), Rational(100),
                             Rational(1, 2)}));
   Rational value;
-  for (const char* text :
-       {"", "-", "1/0", "1/-2", "0x1", "1e", "1e999", "nan", "inf", "1.2.3", "1 2", "1/2/3", "."})
+  for (const char* text : {"", "-", "1/0", "1/-2", "0x1", "1e", "1e999", "nan", "inf", "1.2.3", "1 2",
+                           "1/2/3", ".", "010", "-08", "010/2", "1/02", "--5"})
     EXPECT_FALSE(parseRational(text, value)) << text;
 }
 

@@ -45,11 +45,15 @@ class JsonReader {
     try {
       root_ = json::parse(text, refuse_duplicates);
     } catch (const json::parse_error& error) {
-      const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-      const auto line = 1 + std::count(text.begin(), end, '\n');
-      throw Error(source_ + ":" + std::to_string(line) + ": file: is not valid JSON: " + error.what());
-    } catch (const json::exception& error) {
-      fail("file", std::string("is not valid JSON: ") + error.what());
+      // Bytes count from 1; the last one read is that which does not fit.
+      const std::string read = text.substr(0, std::min(error.byte, text.size()));
+      const std::size_t line = 1 + static_cast<std::size_t>(std::count(read.begin(), read.end(), '\n'));
+      const std::size_t column = read.size() - (read.rfind('\n') + 1);
+      throw Error(source_ + ":" + std::to_string(line) + ": file: is not valid JSON: column " +
+                  std::to_string(column) +
+                  (error.byte > text.size() ? " ends too early" : " has what does not belong there"));
+    } catch (const json::out_of_range&) {
+      fail("file", "is not valid JSON: a number is beyond the range of doubles");
     }
     if (!root_.is_object()) fail("file", "must be an object");
     for (const char* key : kRequired) at(key);

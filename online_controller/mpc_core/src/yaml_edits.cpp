@@ -4,8 +4,10 @@
 #include <cmath>
 #include <iomanip>
 #include <locale>
+#include <optional>
 #include <sstream>
 
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/provenance.hpp"
 
@@ -39,11 +41,9 @@ void YamlEdits::refuse(const std::string& field, const std::string& rule) const 
 }
 
 double YamlEdits::numberOf(const YAML::Node& scalar, const std::string& field) const {
-  try {
-    return scalar.as<double>();
-  } catch (const YAML::Exception&) {
-    refuse(field, "must be a number");
-  }
+  const std::optional<double> value = scalar.IsScalar() ? decimalNumber(scalar.Scalar()) : std::nullopt;
+  if (!value) refuse(field, std::string("must be a number") + kDecimalRule);
+  return *value;
 }
 
 void YamlEdits::replaceScalar(const YAML::Node& scalar, const std::string& text) {

@@ -152,7 +152,14 @@ TEST(ProgramJson, KeysThatBeginWithAnUnderscoreAreFree) {
 TEST(BadProgramFile, MalformedMissingDirectoryEmpty) {
   const std::string broken = replaced(kBase, "[8, 9, 10]", "[8, 9 10]");
   const std::string message = errorOf([&] { parseProgramJson(broken, "tiny.json"); });
-  EXPECT_EQ(message.find("tiny.json:4: file: is not valid JSON: "), 0u) << message;
+  EXPECT_EQ(message.find("tiny.json:4: file: is not valid JSON: column "), 0u) << message;
+  EXPECT_NE(message.find(" has what does not belong there"), std::string::npos) << message;
+  EXPECT_EQ(errorOf([] { parseProgramJson("{\n \"H\": x}", "tiny.json"); }),
+            "tiny.json:2: file: is not valid JSON: column 7 has what does not belong there");
+  EXPECT_EQ(errorOf([] { parseProgramJson("{\"H\": [1", "tiny.json"); }),
+            "tiny.json:1: file: is not valid JSON: column 8 ends too early");
+  EXPECT_EQ(errorOf([] { parseProgramJson("[1e999]", "tiny.json"); }),
+            "tiny.json: file: is not valid JSON: a number is beyond the range of doubles");
   EXPECT_EQ(errorOf([] { parseProgramJson("", "tiny.json"); }).find("tiny.json:1: file: "), 0u);
   EXPECT_EQ(errorOf([] { parseProgramJson("[1]", "tiny.json"); }), "tiny.json: file: must be an object");
   EXPECT_EQ(errorOf([] { loadProgramJson("no/such.json"); }).find("no/such.json: file: cannot be opened: "),

@@ -49,7 +49,6 @@ std::string replaced(const std::string& text, const Replacements& replacements) 
 }
 
 std::string constant(double value, ExportType type) {
-  if (type == ExportType::kInt16) return std::to_string(static_cast<std::int64_t>(value));
   char digits[40];
   const auto end = type == ExportType::kDouble
                        ? std::to_chars(digits, digits + sizeof digits, value)

@@ -10,9 +10,8 @@
 namespace polyfly {
 namespace {
 
-/// Tolerances in greatest rounding errors of a half-space.
+/// Tolerance in greatest rounding errors of a half-space.
 constexpr double kFloatTolerance = 64.0;
-constexpr double kInt16Tolerance = 2.0;
 
 double rounded(double value, ExportType type) {
   if (type == ExportType::kDouble) return value;
@@ -161,19 +160,13 @@ const char* toString(ExportType type) {
       return "double";
     case ExportType::kFloat:
       return "float";
-    case ExportType::kInt16:
-      return "int16";
   }
   return "";
 }
 
 CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
   CodeTables tables;
-  if (options.type == ExportType::kInt16) {
-    fillFixedPoint(map, widenedBox(map), kInt16Tolerance * options.tolerance, tables);
-  } else {
-    fillReals(map, options, tables);
-  }
+  fillReals(map, options, tables);
   addTree(map, options.chosen, tables);
   for (std::size_t i = 0; i < map.regionCount(); ++i) tables.region_law.push_back(map.region(i).law);
   dropUnusedPlanes(map.parameters().size() + 1, tables);

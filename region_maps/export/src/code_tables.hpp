@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "fixed_point.hpp"
 #include "map_export/export_map.hpp"
 
 namespace polyfly {
@@ -14,8 +13,7 @@ constexpr std::uint32_t exportedRow(std::int32_t row) {
   return 2 * plane + (row < 0 ? 1 : 0);
 }
 
-/// The tables of the exported code. Each leaf has candidates of its own, each candidate the rows that are tested. Of
-/// kInt16, planes, laws, box and tolerance are integers, as `fixed` scales them.
+/// The tables of the exported code. Each leaf has candidates of its own, each candidate the rows that are tested.
 struct CodeTables {
   /// p + 1 numbers each, as the type rounds them.
   std::vector<double> planes;
@@ -26,8 +24,6 @@ struct CodeTables {
   double tolerance = 0.0;  ///< [scaled]
   /// Of doubles, what is added to the violation of a fallback region.
   double handicap = 0.0;  ///< [scaled]
-  /// Of kInt16.
-  FixedPoint fixed;
 
   std::vector<std::uint32_t> node_plane;
   /// Below and above of each node. A child that is no node is a leaf: minus the number of nodes, its index.

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "code_tables.hpp"
-#include "fixed_point_template.hpp"
 #include "floating_arithmetic.hpp"
 #include "header_template.hpp"
 #include "map_facts.hpp"
@@ -23,16 +22,14 @@ constexpr std::size_t kMaxName = 24;
 /// Up to so many parameters, RegionMap adds by halves.
 constexpr std::size_t kMaxWrittenOut = 8;
 
-/// Terms [first, end) of a . theta - c, added by halves as RegionMap adds them. c counts `unit`.
-std::string sumTerms(std::size_t first, std::size_t end, std::size_t p, const std::string& names,
-                     const std::string& unit) {
+/// Terms [first, end) of a . theta - c, added by halves as RegionMap adds them.
+std::string sumTerms(std::size_t first, std::size_t end, std::size_t p, const std::string& names) {
   const auto entry = [&names](std::size_t i) { return names + "[plane][" + std::to_string(i) + "])"; };
   if (end - first == 1) return "(" + entry(first) + " * theta[" + std::to_string(first) + "])";
   const std::size_t middle = (first + end + 1) / 2;
-  const std::string left = sumTerms(first, middle, p, names, unit);
-  const std::string constant = unit.empty() ? entry(p) : "(" + entry(p) + unit + ")";
-  if (end - middle == 1 && middle == p) return "(" + left + " - " + constant + ")";
-  return "(" + left + "\n            + " + sumTerms(middle, end, p, names, unit) + ")";
+  const std::string left = sumTerms(first, middle, p, names);
+  if (end - middle == 1 && middle == p) return "(" + left + " - " + entry(p) + ")";
+  return "(" + left + "\n            + " + sumTerms(middle, end, p, names) + ")";
 }
 
 std::string readerOf(const std::vector<std::uint32_t>& values, const std::string& upper) {
@@ -62,9 +59,7 @@ std::string boundText(const ExportOptions& options, const RegionMap& map, const 
   std::string text =
       " * Proven: where the map has an answer at a parameter, the code given that parameter rounded to the "
       "nearest\n"
-      " * " +
-      std::string(options.type == ExportType::kInt16 ? "integer" : "number") +
-      " answers OK, with inputs that differ from the map's by at most\n";
+      " * number answers OK, with inputs that differ from the map's by at most\n";
   for (std::size_t j = 0; j < bound.error.size(); ++j) {
     text += " *   " + commentText(map.inputs()[j].name) + ": " + roundedUp(bound.error[j]) + " " +
             commentText(map.inputs()[j].unit) + "\n";
@@ -88,24 +83,6 @@ std::string filterText(const RegionMap& map, const ExportBound& bound) {
   return text + (bound.isAllowed()
                      ? " * The answers of this code, limited to the ranges of u, are within that.\n"
                      : " * The answers of this code are NOT within that: the set is not proven for them.\n");
-}
-
-/// How values become integers. Empty for floating-point numbers.
-std::string exponentText(const ExportExponents& exponents, const std::string& upper) {
-  if (exponents.theta.empty()) return "";
-  std::string text =
-      "\n/* Parameter i with the value x is the integer nearest to x * 2^e, limited to -32767 .. 32767, "
-      "with\n"
-      " * e = " +
-      upper + "_THETA_i_EXPONENT. Input j has the value u[j] * 2^-e, e = " + upper + "_U_j_EXPONENT. */\n";
-  const auto add = [&](const std::string& signal, const std::vector<int>& values) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      text += "#define " + upper + "_" + signal + "_" + std::to_string(i) + "_EXPONENT " +
-              (values[i] < 0 ? "(" + std::to_string(values[i]) + ")" : std::to_string(values[i])) + "\n";
-  };
-  add("THETA", exponents.theta);
-  add("U", exponents.u);
-  return text;
 }
 
 void addTable(Replacements& keys, const std::string& name, const std::vector<std::uint32_t>& values,
@@ -137,59 +114,16 @@ void addTables(Replacements& keys, const RegionMap& map, const CodeTables& table
   keys["region_rows"] = std::to_string(tables.region_law.size());
 }
 
-/// The parts of NAME.c that depend on the type.
-void addFloatingPoint(Replacements& keys) {
-  keys["arithmetic"] = replaced(kFloatingArithmetic, keys);
-  keys["box_test"] = replaced(kFloatingBoxTest, keys);
-  keys["law_sum"] = replaced(kFloatingLawSum, keys);
-  keys["advice"] = "\n * Compile with -ffp-contract=off: contracted multiply-adds give other bits.";
-  keys["nan_note"] = "        /* Also true for NaN. */\n";
-  keys["distance_unit"] = "scaled";
-  for (const char* const key :
-       {"scale_macros", "plane_note", "law_note", "law_shifts", "rounding", "plane_unit"})
-    keys[key] = "";
-}
-
-void addFixedPoint(Replacements& keys, const FixedPoint& fixed) {
-  const auto power = [](int exponent) { return std::to_string(std::int64_t{1} << exponent); };
-  std::string differ;
-  const auto compare = [&](const std::string& signal, const std::vector<int>& exponents) {
-    for (std::size_t i = 0; i < exponents.size(); ++i) {
-      if (!differ.empty()) differ += " || \\\n    ";
-      differ += "(" + keys["NAME"] + "_" + signal + "_" + std::to_string(i) +
-                "_EXPONENT != " + std::to_string(exponents[i]) + ")";
-    }
-  };
-  compare("THETA", fixed.theta_exponent);
-  compare("U", fixed.u_exponent);
-  keys["exponents_differ"] = differ;
-  keys["plane_exponent"] = std::to_string(fixed.plane_exponent);
-  keys["plane_unit_value"] = power(kPlaneUnit);
-  keys["law_unit_value"] = power(kLawUnit);
-  keys["law_shift"] = initialiser(fixed.law_shift, 0);
-  keys["arithmetic"] = replaced(kFixedArithmetic, keys);
-  keys["scale_macros"] = replaced(kFixedMacros, keys);
-  keys["box_test"] = replaced(kFixedBoxTest, keys);
-  keys["law_sum"] = replaced(kFixedLawSum, keys);
-  keys["law_shifts"] = replaced(kFixedLawShifts, keys);
-  keys["rounding"] = replaced(kFixedRounding, keys);
-  keys["plane_unit"] = " * PLANE_UNIT";
-  keys["plane_note"] = ", which counts PLANE_UNIT";
-  keys["law_note"] = ", which counts LAW_UNIT";
-  keys["distance_unit"] = "2^-PLANE_EXPONENT, scaled";
-  keys["advice"] = keys["nan_note"] = "";
-}
-
 /// The parts of NAME.c of doubles that search a leaf.
 void addLeastSearch(Replacements& keys, bool has_fallback, double handicap, const std::string& name) {
-  keys["handicap_table"] = !has_fallback
-                               ? ""
-                               : "/* What is added to the violation of a fallback region [" +
-                                     keys["distance_unit"] + "]. */\nstatic const double " + name +
-                                     "_handicap = " + constant(handicap, ExportType::kDouble) + ";\n";
+  keys["handicap_table"] =
+      !has_fallback ? ""
+                    : "/* What is added to the violation of a fallback region [scaled]. */\nstatic "
+                      "const double " +
+                          name + "_handicap = " + constant(handicap, ExportType::kDouble) + ";\n";
   keys["offer"] = has_fallback ? replaced(kFallbackTemplate, keys)
                                : "            const double violation = " + name + "_violation(theta, i);\n\n";
-  keys["least"] = replaced("        @sum@ least = @most@;\n", keys);
+  keys["least"] = replaced("        @real@ least = @most@;\n", keys);
   keys["candidate_test"] = replaced(kLeastTest, keys);
   keys["search"] = replaced(kLeastSearch, keys);
 }
@@ -216,25 +150,21 @@ bool ExportBound::isAllowed() const {
 
 Replacements sharedKeys(const CodeKind& code) {
   const bool is_double = code.type == ExportType::kDouble;
-  const bool is_fixed = code.type == ExportType::kInt16;
-  const std::string real = is_fixed ? "int16_t" : toString(code.type);
-  return {{"name", code.name},
-          {"NAME", upperCase(code.name)},
-          {"version", kVersion},
-          {"problem_hash", checksumOf(code.problem_text)},
-          {"p", std::to_string(code.parameters)},
-          {"p1", std::to_string(code.parameters + 1)},
-          {"m", std::to_string(code.inputs)},
-          {"real", real},
-          {"sum", is_fixed ? "int32_t" : real},
-          {"cast", is_fixed ? "(int32_t)" : ""},
-          {"number", is_fixed ? "I16" : "REAL"},
-          {"avr_read", is_fixed ? "(int16_t)pgm_read_word" : "pgm_read_float"},
-          {"most", is_double ? "DBL_MAX" : "FLT_MAX"},
-          {"prefix", is_double ? "DBL" : "FLT"},
-          {"digits", is_double ? "53" : "24"},
-          {"zero", constant(0.0, code.type)},
-          {"one", constant(1.0, code.type)}};
+  Replacements keys = {{"name", code.name},
+                       {"NAME", upperCase(code.name)},
+                       {"version", kVersion},
+                       {"problem_hash", checksumOf(code.problem_text)},
+                       {"p", std::to_string(code.parameters)},
+                       {"p1", std::to_string(code.parameters + 1)},
+                       {"m", std::to_string(code.inputs)},
+                       {"real", toString(code.type)},
+                       {"most", is_double ? "DBL_MAX" : "FLT_MAX"},
+                       {"prefix", is_double ? "DBL" : "FLT"},
+                       {"digits", is_double ? "53" : "24"},
+                       {"zero", constant(0.0, code.type)},
+                       {"one", constant(1.0, code.type)}};
+  keys["constants"] = is_double ? replaced(kDoubleConstants, keys) : "";
+  return keys;
 }
 
 Replacements mapKeys(const RegionMap& map, const ExportOptions& options) {
@@ -258,16 +188,10 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   // A map without nodes has a leaf as its root, and leaves are counted from the number of nodes on.
   keys["root"] = std::to_string(root & ~MapContent::kLeaf);
   keys["tolerance"] = constant(tables.tolerance, options.type);
-  if (options.type == ExportType::kInt16) {
-    addFixedPoint(keys, tables.fixed);
-  } else {
-    addFloatingPoint(keys);
-  }
-  const std::string plane =
-      keys["cast"] + keys["NAME"] + "_" + keys["number"] + "(" + options.name + "_plane";
-  keys["distance"] = p > kMaxWrittenOut
-                         ? replaced(kDistanceLoop, keys)
-                         : "    return " + sumTerms(0, p + 1, p, plane, keys["plane_unit"]) + ";\n";
+  keys["arithmetic"] = replaced(kFloatingArithmetic, keys);
+  const std::string plane = keys["NAME"] + "_REAL(" + options.name + "_plane";
+  keys["distance"] = p > kMaxWrittenOut ? replaced(kDistanceLoop, keys)
+                                        : "    return " + sumTerms(0, p + 1, p, plane) + ";\n";
   const bool has_nodes = map.nodeCount() != 0;
   keys["tree"] = has_nodes ? replaced(kTreeTemplate, keys) : "";
   keys["node_count"] = has_nodes ? "#define NODE_COUNT " + keys["nodes"] + "u\n" : "";
@@ -283,19 +207,11 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   return replaced(kSourceTemplate, keys);
 }
 
-ExportExponents exportExponents(const RegionMap& map, const ExportOptions& options) {
-  if (options.type != ExportType::kInt16) return {};
-  const CodeTables tables = codeTables(map, options);
-  return {tables.fixed.theta_exponent, tables.fixed.u_exponent};
-}
-
 std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
   Replacements keys = mapKeys(map, options);
   keys["signals"] = signalLines("theta", map.parameters()) + signalLines("u", map.inputs());
   keys["bound"] = boundText(options, map, bound) + filterText(map, bound);
-  keys["never"] = options.type == ExportType::kInt16 ? ", which no integer is" : "";
-  keys["exponents"] = exponentText(exportExponents(map, options), keys.at("NAME"));
   return replaced(kHeaderTemplate, keys);
 }
 

@@ -9,22 +9,7 @@ namespace {
 /// Of the ATmega328P. [bytes]
 constexpr std::size_t kAtmega328pFlash = 32768;
 
-/// Of a number, and of the tolerance.
-struct NumberBytes {
-  std::size_t number, sum;
-};
-
-NumberBytes bytesOf(ExportType type) {
-  switch (type) {
-    case ExportType::kDouble:
-      return {8, 8};
-    case ExportType::kFloat:
-      return {4, 4};
-    case ExportType::kInt16:
-      return {2, 4};
-  }
-  return {};
-}
+std::size_t bytesOf(ExportType type) { return type == ExportType::kDouble ? sizeof(double) : sizeof(float); }
 
 std::string errorList(const ExportBound& bound) {
   std::string text = "[";
@@ -60,9 +45,7 @@ std::string reachedText(const RegionMap& map, const ExportBound& bound) {
 }
 
 std::size_t tableBytes(const CodeTables& tables, ExportType type) {
-  const auto [number, sum] = bytesOf(type);
-  std::size_t bytes = number * (tables.planes.size() + tables.laws.size() + tables.box.size()) + sum;
-  bytes += tables.fixed.law_shift.size();
+  std::size_t bytes = bytesOf(type) * (tables.planes.size() + tables.laws.size() + tables.box.size() + 1);
   for (const std::vector<std::uint32_t>* table :
        {&tables.node_plane, &tables.node_child, &tables.leaf_first, &tables.candidate_region,
         &tables.candidate_first, &tables.rows, &tables.region_law}) {
@@ -83,8 +66,6 @@ CodeBytes codeBytes(ExportType type) {
       return {3250, 0};
     case ExportType::kFloat:
       return {830, 2400};
-    case ExportType::kInt16:
-      return {720, 1700};
   }
   return {};
 }
@@ -102,7 +83,7 @@ FlashBytes exportFlashBytes(const RegionMap& map, const ExportOptions& options) 
 
 std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options) {
   struct Frame {
-    /// Addresses, indices and statuses; numbers of the type in which sums are.
+    /// Addresses, indices and statuses; numbers of the type.
     std::size_t words, numbers;
   };
   const std::size_t terms = map.parameters().size() + 1;
@@ -113,7 +94,7 @@ std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options)
   constexpr std::size_t kWord = 4, kCall = 16;
   std::size_t bytes = 0;
   for (const Frame& frame : frames)
-    bytes += kCall + kWord * frame.words + bytesOf(options.type).sum * frame.numbers;
+    bytes += kCall + kWord * frame.words + bytesOf(options.type) * frame.numbers;
   return bytes;
 }
 

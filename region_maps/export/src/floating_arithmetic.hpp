@@ -9,7 +9,7 @@ inline constexpr char kFloatingArithmetic[] =
 #if (FLT_RADIX != 2) || (@prefix@_MANT_DIG != @digits@)
 #error "@name@: @real@ must be IEEE 754 with @digits@ bits"
 #endif
-#if !defined(FLT_EVAL_METHOD) || (FLT_EVAL_METHOD != 0)
+@constants@#if !defined(FLT_EVAL_METHOD) || (FLT_EVAL_METHOD != 0)
 #error "@name@: excess precision changes the answers; use the type's own precision (x86: -msse2 -mfpmath=sse)"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -27,6 +27,12 @@ inline constexpr char kFloatingArithmetic[] =
 #pragma clang fp reassociate(off)
 #endif
 #endif
+)code";
+
+/// Of doubles: MISRA's rule 2.3 would have the type used.
+inline constexpr char kDoubleConstants[] =
+    R"code(/* No array has -1 elements: -fsingle-precision-constant makes the constants of the tables floats. */
+typedef char @name@_constants[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 )code";
 
 }  // namespace polyfly

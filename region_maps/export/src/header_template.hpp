@@ -23,7 +23,7 @@ inline constexpr char kHeaderTemplate[] =
 #define @NAME@_PARAMETERS @p@
 #define @NAME@_INPUTS @m@
 #define @NAME@_REGIONS @regions@
-@exponents@
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -33,7 +33,7 @@ typedef enum {
     @NAME@_OK = 0,
     /* theta is outside of the box, or in no region: the problem has no solution there. u is unchanged. */
     @NAME@_OUTSIDE = 1,
-    /* theta holds a NaN or an infinity@never@. u is unchanged. */
+    /* theta holds a NaN or an infinity. u is unchanged. */
     @NAME@_NOT_FINITE = 2
 } @name@_status;
 

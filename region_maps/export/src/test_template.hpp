@@ -10,7 +10,9 @@ inline constexpr char kTestTemplate[] =
  * Define @NAME@_TEST_NO_MAIN to call @name@_test() from a program of your own, for example on a board. Define
  * @NAME@_TEST_BEGIN() and @NAME@_TEST_END() to count cycles around each call. */
 #include "@name@.h"
-@float_include@
+
+#include <float.h>
+
 #if !defined(@NAME@_TEST_BEGIN)
 #define @NAME@_TEST_BEGIN()
 #define @NAME@_TEST_END()
@@ -19,16 +21,16 @@ inline constexpr char kTestTemplate[] =
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
 #define @NAME@_TEST_TABLE PROGMEM
-#define @NAME@_TEST_@number@(element) @avr_read@(&(element))
+#define @NAME@_TEST_REAL(element) pgm_read_float(&(element))
 #define @NAME@_TEST_U8(element) pgm_read_byte(&(element))
 #else
 #define @NAME@_TEST_TABLE
-#define @NAME@_TEST_@number@(element) (element)
+#define @NAME@_TEST_REAL(element) (element)
 #define @NAME@_TEST_U8(element) (element)
 #endif
 
 #define VECTORS @vectors@u
-#define SPECIALS @specials@u
+#define SPECIALS 3u
 /* Instead of a status: rounding decides between OK and OUTSIDE. */
 #define EITHER 255u
 
@@ -41,7 +43,7 @@ static const unsigned char vector_status[VECTORS] @NAME@_TEST_TABLE = @status@;
 /* Inputs of the answers; without an answer, the value that must stay. */
 static const @real@ vector_u[VECTORS][@m@] @NAME@_TEST_TABLE = @u@;
 /* Greatest difference that is allowed of each input. It includes the rounding of this comparison. */
-static const @sum@ vector_tolerance[@m@] = @tolerance@;
+static const @real@ vector_tolerance[@m@] = @tolerance@;
 
 /* Whether status or u differ. Without OK, u must stay as vector `number` has it. */
 static int differs(const @real@ theta[@p@], unsigned int status, unsigned int number)
@@ -53,12 +55,12 @@ static int differs(const @real@ theta[@p@], unsigned int status, unsigned int nu
     int wrong;
 
     for (j = 0u; j < @m@u; ++j) {
-        expected[j] = @NAME@_TEST_@number@(vector_u[number][j]);
+        expected[j] = @NAME@_TEST_REAL(vector_u[number][j]);
         u[j] = expected[j];
     }
     if (status == (unsigned int)@NAME@_OK) {
         for (j = 0u; j < @m@u; ++j) {
-            u[j] = @greatest@;
+            u[j] = @most@;
         }
     }
     @NAME@_TEST_BEGIN();
@@ -69,10 +71,10 @@ static int differs(const @real@ theta[@p@], unsigned int status, unsigned int nu
         wrong = (found == @NAME@_NOT_FINITE) ? 1 : 0;
     }
     for (j = 0u; (j < @m@u) && (wrong == 0) && (status != EITHER); ++j) {
-        const @sum@ found_u = u[j];
-        const @sum@ expected_u = expected[j];
-        const @sum@ difference = (found_u > expected_u) ? (found_u - expected_u) : (expected_u - found_u);
-        const @sum@ allowed = (status == (unsigned int)@NAME@_OK) ? vector_tolerance[j] : @zero@;
+        const @real@ found_u = u[j];
+        const @real@ expected_u = expected[j];
+        const @real@ difference = (found_u > expected_u) ? (found_u - expected_u) : (expected_u - found_u);
+        const @real@ allowed = (status == (unsigned int)@NAME@_OK) ? vector_tolerance[j] : @zero@;
 
         wrong = (difference <= allowed) ? 0 : 1;
     }
@@ -81,7 +83,11 @@ static int differs(const @real@ theta[@p@], unsigned int status, unsigned int nu
 
 int @name@_test(void)
 {
-@special_values@    @real@ theta[@p@];
+    /* Neither is a constant for the compiler, so that the quotients are computed as the program runs. */
+    volatile @real@ zero = @zero@;
+    const @real@ infinity = @one@ / zero;
+    const @real@ special[SPECIALS] = {zero / zero, infinity, -infinity};
+    @real@ theta[@p@];
     unsigned int wrong = 0u;
     unsigned int i;
     unsigned int j;
@@ -89,17 +95,17 @@ int @name@_test(void)
 
     for (k = 0u; k < VECTORS; ++k) {
         for (i = 0u; i < @p@u; ++i) {
-            theta[i] = @NAME@_TEST_@number@(vector_theta[k][i]);
+            theta[i] = @NAME@_TEST_REAL(vector_theta[k][i]);
         }
         wrong += (unsigned int)differs(theta, @NAME@_TEST_U8(vector_status[k]), k);
     }
     for (i = 0u; i < @p@u; ++i) {
         for (j = 0u; j < SPECIALS; ++j) {
             for (k = 0u; k < @p@u; ++k) {
-                theta[k] = @NAME@_TEST_@number@(vector_theta[0][k]);
+                theta[k] = @NAME@_TEST_REAL(vector_theta[0][k]);
             }
             theta[i] = special[j];
-            wrong += (unsigned int)differs(theta, (unsigned int)@special_status@, 0u);
+            wrong += (unsigned int)differs(theta, (unsigned int)@NAME@_NOT_FINITE, 0u);
         }
     }
     return (wrong < 100u) ? (int)wrong : 100;
@@ -111,19 +117,6 @@ int main(void)
     return @name@_test();
 }
 #endif
-)code";
-
-/// Numbers that are not finite.
-inline constexpr char kFloatingSpecialValues[] =
-    R"code(    /* Neither is a constant for the compiler, so that the quotients are computed as the program runs. */
-    volatile @real@ zero = @zero@;
-    const @real@ infinity = @one@ / zero;
-    const @real@ special[SPECIALS] = {zero / zero, infinity, -infinity};
-)code";
-
-/// Values beyond the range of integers are limited to it.
-inline constexpr char kFixedSpecialValues[] =
-    R"code(    const int16_t special[SPECIALS] = {32767, -32767};
 )code";
 
 }  // namespace polyfly

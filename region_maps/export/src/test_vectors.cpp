@@ -18,11 +18,8 @@ constexpr std::size_t kOutside = 8;
 constexpr std::uint64_t kSeed = 1;
 /// Where OK and OUTSIDE are both right, see kTestTemplate.
 constexpr std::uint32_t kEither = 255;
-/// What stays in u where there is no answer, and as an integer.
+/// What stays in u where there is no answer.
 constexpr double kUntouched = 0.5;
-constexpr double kUntouchedWord = 77.0;
-/// Greatest size of an integer.
-constexpr double kGreatest = 32767.0;
 /// Distance from the box, in ranges, within which float may take a parameter for inside.
 constexpr double kBesideBox = 1e-3;
 /// Part of the tolerance that the comparison itself may round away, relative to u.
@@ -31,11 +28,7 @@ constexpr double kComparison = 0x1p-22;
 class VectorMaker {
  public:
   VectorMaker(const RegionMap& map, const ExportOptions& options, double margin)
-      : map_(map),
-        type_(options.type),
-        exponents_(exportExponents(map, options)),
-        margin_(margin),
-        random_(kSeed) {}
+      : map_(map), type_(options.type), margin_(margin), random_(kSeed) {}
 
   TestVectors make(const std::vector<CostlyPoint>& costly) {
     for (const CostlyPoint& point : costly) add(point.theta, true);
@@ -106,7 +99,7 @@ class VectorMaker {
 
   /// A costly parameter stays where rounding decides whether there is an answer.
   void add(std::vector<double> theta, bool is_costly = false) {
-    if (!round(theta)) return;
+    round(theta);
     std::vector<double> u(map_.inputs().size(), kUntouched);
     const Lookup found = map_.evaluate(theta.data(), u.data());
     const bool is_inside = found.status == LookupStatus::kInside;
@@ -117,35 +110,15 @@ class VectorMaker {
         type_ != ExportType::kDouble && found.status == LookupStatus::kOutsideBox && isInBox(theta);
     const bool is_either = may_differ || is_beside_box;
     if (is_either && !is_costly) return;
-    for (std::size_t k = 0; k < theta.size(); ++k)
-      vectors_.theta.push_back(number(theta[k], exponents_.theta, k));
+    vectors_.theta.insert(vectors_.theta.end(), theta.begin(), theta.end());
     vectors_.status.push_back(is_either ? kEither : is_inside ? 0 : 1);
-    const bool is_untouched = type_ == ExportType::kInt16 && !is_inside;
-    for (std::size_t j = 0; j < u.size(); ++j)
-      vectors_.u.push_back(is_untouched ? kUntouchedWord : limited(number(u[j], exponents_.u, j)));
+    vectors_.u.insert(vectors_.u.end(), u.begin(), u.end());
   }
 
-  /// Integers are limited as the code limits its inputs.
-  double limited(double u) const {
-    return type_ == ExportType::kInt16 ? std::min(std::max(u, -kGreatest), kGreatest) : u;
-  }
-
-  /// The value as the code has it: of integers, the nearest one.
-  double number(double value, const std::vector<int>& exponents, std::size_t i) const {
-    return type_ == ExportType::kInt16 ? std::nearbyint(std::ldexp(value, exponents[i])) : value;
-  }
-
-  /// Rounds to the code's numbers. False where one is beyond their range.
-  bool round(std::vector<double>& theta) const {
-    bool is_in_range = true;
-    for (std::size_t k = 0; k < theta.size(); ++k) {
-      if (type_ == ExportType::kFloat) theta[k] = static_cast<float>(theta[k]);
-      if (type_ != ExportType::kInt16) continue;
-      const double word = number(theta[k], exponents_.theta, k);
-      is_in_range = is_in_range && std::abs(word) <= kGreatest;
-      theta[k] = std::ldexp(word, -exponents_.theta[k]);
-    }
-    return is_in_range;
+  /// Rounds to the code's numbers.
+  void round(std::vector<double>& theta) const {
+    if (type_ == ExportType::kDouble) return;
+    for (double& value : theta) value = static_cast<float>(value);
   }
 
   bool isInBox(const std::vector<double>& theta) const {
@@ -159,7 +132,6 @@ class VectorMaker {
 
   const RegionMap& map_;
   const ExportType type_;
-  const ExportExponents exponents_;
   const double margin_;
   std::mt19937_64 random_;
   TestVectors vectors_;
@@ -169,13 +141,8 @@ class VectorMaker {
 std::vector<double> comparedWithin(const RegionMap& map, const ExportOptions& options,
                                    const ExportBound& bound, const std::vector<double>& u) {
   const std::size_t m = map.inputs().size();
-  const ExportExponents exponents = exportExponents(map, options);
   std::vector<double> tolerance(m, 0.0);
   for (std::size_t j = 0; j < m && options.type != ExportType::kDouble; ++j) {
-    if (options.type == ExportType::kInt16) {
-      tolerance[j] = std::ceil(std::ldexp(bound.error[j], exponents.u[j]) + 0.5);
-      continue;
-    }
     double greatest = 0.0;
     for (std::size_t i = j; i < u.size(); i += m) greatest = std::max(greatest, std::abs(u[i]));
     tolerance[j] = bound.error[j] + kComparison * greatest;
@@ -206,12 +173,6 @@ std::string testText(Replacements keys, ExportType type, const TestVectors& vect
   keys["status"] = initialiser(vectors.status, 0);
   keys["u"] = initialiser(vectors.u, vectors.u.size() / count, type);
   keys["tolerance"] = initialiser(vectors.tolerance, 0, type);
-  const bool is_fixed = type == ExportType::kInt16;
-  keys["specials"] = is_fixed ? "2" : "3";
-  keys["special_status"] = keys["NAME"] + (is_fixed ? "_OUTSIDE" : "_NOT_FINITE");
-  keys["special_values"] = replaced(is_fixed ? kFixedSpecialValues : kFloatingSpecialValues, keys);
-  keys["float_include"] = is_fixed ? "" : "\n#include <float.h>\n";
-  keys["greatest"] = is_fixed ? "32767" : keys["most"];
   return replaced(kTestTemplate, keys);
 }
 

@@ -152,6 +152,20 @@ TEST(ExportMapSafety, FastMathDoesNotCompile) {
   }
 }
 
+// The constants of the tables would be floats, which a look-up of doubles shows nowhere.
+TEST(ExportMapSafety, SinglePrecisionConstantsDoNotCompile) {
+  if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
+  const MadeMap made(makeSmallMap());
+  const ScratchFolder folder;
+  saveCode(folder, made.map, codeOptions());
+  for (const char* const compiler : {"gcc -std=c99", "gcc -std=c11", "g++ -x c++ -std=c++17"}) {
+    EXPECT_EQ(runCommand(folder, std::string(compiler) + " -c code.c"), 0) << logOf(folder);
+    EXPECT_NE(runCommand(folder, std::string(compiler) + " -c code.c -fsingle-precision-constant"), 0)
+        << compiler;
+    EXPECT_NE(logOf(folder).find("code_constants"), std::string::npos) << logOf(folder);
+  }
+}
+
 // It has no macro in clang, and GCC refuses it.
 TEST(ExportMapSafety, UnsafeMathOfClangChangesNoInstruction) {
   if (!hasProgram("clang")) GTEST_SKIP() << "no clang";

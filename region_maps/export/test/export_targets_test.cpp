@@ -32,7 +32,7 @@ MapContent content(std::uint32_t parameters = 3) {
   return result;
 }
 
-/// One law for all regions: near a facet, float and integers may take either side.
+/// One law for all regions: near a facet, floats may take either side.
 MapContent contentOfOneLaw() {
   MapContent map = content();
   for (std::size_t i = 0; i < map.laws.size(); ++i) map.laws[i] = map.laws[i % (2 * 4)];
@@ -40,17 +40,7 @@ MapContent contentOfOneLaw() {
 }
 
 /// As for a proof: far more than rounding, far less than a law's change below.
-double boundOf(ExportType type) {
-  switch (type) {
-    case ExportType::kDouble:
-      return 0.0;
-    case ExportType::kFloat:
-      return 1e-4;
-    case ExportType::kInt16:
-      return 1e-2;
-  }
-  return 0.0;
-}
+double boundOf(ExportType type) { return type == ExportType::kDouble ? 0.0 : 1e-4; }
 
 /// Bytes of stack by function, as `-fstack-usage` writes them: "code.c:45:13:code_evaluate 64 static".
 std::map<std::string, int> stackOf(const std::string& usage) {
@@ -182,8 +172,7 @@ TEST_P(OnCortexM4, InstructionsAreWithinTheStatedBound) {
   expectCodeWithinBound(GetParam(), kCortexM4f, &FlashBytes::cortex_m4f);
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, OnCortexM4,
-                         testing::Values(ExportType::kDouble, ExportType::kFloat, ExportType::kInt16));
+INSTANTIATE_TEST_SUITE_P(Types, OnCortexM4, testing::Values(ExportType::kDouble, ExportType::kFloat));
 
 class OnAtmega328p : public ExportTargets, public testing::WithParamInterface<ExportType> {};
 
@@ -211,7 +200,7 @@ TEST_P(OnAtmega328p, InstructionsAreWithinTheStatedBound) {
   expectCodeWithinBound(GetParam(), kAtmega328p, &FlashBytes::atmega328p);
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, OnAtmega328p, testing::Values(ExportType::kFloat, ExportType::kInt16));
+INSTANTIATE_TEST_SUITE_P(Types, OnAtmega328p, testing::Values(ExportType::kFloat));
 
 class UnderCppcheck : public ExportTargets, public testing::WithParamInterface<ExportType> {};
 
@@ -222,12 +211,12 @@ TEST_P(UnderCppcheck, MisraDeviationsAreTheListedOnes) {
   expectListedDeviations(misraDeviations(folder, "-U__AVR__"), folder);
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, UnderCppcheck, testing::Values(ExportType::kFloat, ExportType::kInt16));
+INSTANTIATE_TEST_SUITE_P(Types, UnderCppcheck, testing::Values(ExportType::kFloat));
 
 // Warnings are errors, in C and in C++.
-TEST_F(ExportTargets, IntegersCompileEverywhereAndPassTheirTest) {
+TEST_F(ExportTargets, FloatsCompileEverywhereAndPassTheirTest) {
   int tried = 0;
-  save(ExportType::kInt16, contentOfOneLaw());
+  save(ExportType::kFloat, contentOfOneLaw());
   for (const char* const compiler :
        {"gcc -std=c99", "clang -std=c99", "g++ -x c++ -std=c++17", "clang++ -x c++ -std=c++11"}) {
     if (!hasProgram(std::string(compiler).substr(0, std::string(compiler).find(' ')))) continue;

@@ -1,9 +1,11 @@
 #include "polyfly_base/options_from_yaml.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "polyfly_base/closest_name.hpp"
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/range_check.hpp"
 
@@ -59,21 +61,39 @@ void OptionsFromYaml::requireRange(const std::string& key, double value, const c
   RangeCheck{source_ + ":" + std::to_string(node.Mark().line + 1)}(key.c_str(), value, unit, range);
 }
 
+double OptionsFromYaml::numberOf(const YAML::Node& node, const std::string& key) const {
+  const bool quoted = node.Tag() == "!";
+  const std::optional<double> value =
+      node.IsScalar() && !quoted ? decimalNumber(node.Scalar()) : std::nullopt;
+  if (!value) fail(node, key, std::string("must be a number") + kDecimalRule);
+  return *value;
+}
+
 void OptionsFromYaml::operator()(const std::string& key, double& field, const char* unit,
                                  const Range& range) {
-  read(key, "a number", field);
+  const YAML::Node node = find(key);
+  if (node.IsDefined()) field = numberOf(node, key);
   requireRange(key, field, unit, range);
 }
 
 void OptionsFromYaml::operator()(const std::string& key, int& field, const char* unit, const Range& range) {
-  read(key, "a whole number", field);
-  requireRange(key, field, unit, range);
+  const YAML::Node node = find(key);
+  double value = field;
+  if (node.IsDefined()) value = numberOf(node, key);
+  // Before the conversion, which is undefined for numbers beyond an int.
+  requireRange(key, value, unit, range);
+  if (node.IsDefined() && value != std::floor(value)) fail(node, key, "must be a whole number");
+  field = static_cast<int>(value);
 }
 
 void OptionsFromYaml::operator()(const std::string& key, bool& field) { read(key, "true or false", field); }
 
 void OptionsFromYaml::operator()(const std::string& key, std::vector<double>& field) {
-  read(key, "a list of numbers", field);
+  const YAML::Node node = find(key);
+  if (!node.IsDefined()) return;
+  if (!node.IsSequence()) fail(node, key, "must be a list of numbers");
+  field.clear();
+  for (const YAML::Node& entry : node) field.push_back(numberOf(entry, key));
 }
 
 void OptionsFromYaml::operator()(const std::string& key, std::string& field) {

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <locale>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 
@@ -170,18 +171,14 @@ std::string YamlField::unit() const {
 double YamlField::number() const {
   if (!node_.IsScalar() || node_.Tag() == "!") fail("must be a number");  // "!" marks a quoted scalar
   const std::string& scalar = node_.Scalar();
-  std::istringstream stream(scalar);
-  stream.imbue(std::locale::classic());
-  double value = 0.0;
-  stream >> value;
-  const bool whole = !stream.fail() && stream.peek() == std::istringstream::traits_type::eof();
-  if (!whole || !std::isfinite(value)) fail("must be a finite number, got " + quoted(scalar));
-  if (std::abs(value) > kGreatestNumber) {
+  const std::optional<double> value = decimalNumber(scalar);
+  if (!value) fail("must be a finite number, got " + quoted(scalar) + kDecimalRule);
+  if (std::abs(*value) > kGreatestNumber) {
     std::ostringstream rule;
-    rule << "must not exceed " << kGreatestNumber << " in size, got " << value;
+    rule << "must not exceed " << kGreatestNumber << " in size, got " << *value;
     fail(rule.str());
   }
-  return value;
+  return *value;
 }
 
 int YamlField::integer(int least, int greatest) const {

@@ -11,11 +11,14 @@
 /// C code of a region map, for processors that read no file (region_maps/export/README.md).
 namespace polyfly {
 
-/// Type of the numbers in the tables, of the parameters and of the inputs. Of kInt16, a number x stands for the integer
-/// nearest to x * 2^e, with an exponent e of each signal.
-enum class ExportType { kDouble, kFloat, kInt16 };
+/// Type of the numbers in the tables, of the parameters and of the inputs.
+enum class ExportType { kDouble, kFloat };
 
-/// double, float, int16
+/// What is said of a type that was removed.
+constexpr const char* kNoInt16 =
+    "int16 was removed, because its error may exceed the input's range; use float";
+
+/// double, float
 const char* toString(ExportType type);
 
 /// A leaf of the map, a region, and the rows to test of it as MapContent::tests has them.
@@ -29,7 +32,7 @@ struct ExportOptions {
   /// Prefix of all identifiers and of the files' names, see checkExportName.
   std::string name;
   ExportType type = ExportType::kDouble;
-  /// Of float and int16, the tolerance of look-ups is the type's own one times this. Double has that of the map.
+  /// Of float, the tolerance of look-ups is the type's own one times this. Double has that of the map.
   double tolerance = 1.0;
   /// Candidates that leaves have besides those of the map, and candidates of the map with other rows to test. Rounding
   /// may lead a parameter beside a leaf's cell into it, where none of the map's candidates holds the parameter.
@@ -109,12 +112,6 @@ struct TestVectors {
 
 /// The text of NAME_test.c: a program that returns 0 where the compiled code answers within the bound.
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
-
-/// The exponents of the parameters and of the inputs of kInt16; of the other types, none.
-struct ExportExponents {
-  std::vector<int> theta, u;
-};
-ExportExponents exportExponents(const RegionMap& map, const ExportOptions& options);
 
 /// The text of NAME.json: bytes of flash and stack, greatest numbers of operations, bound, checksums.
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);

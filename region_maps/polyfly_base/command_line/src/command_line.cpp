@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/version.hpp"
 #include "polyfly_base/visible.hpp"
 
@@ -47,16 +48,6 @@ std::optional<std::uint64_t> wholeOf(const std::string& digits) {
   errno = 0;
   const std::uint64_t value = std::strtoull(digits.c_str(), nullptr, 10);
   if (errno == ERANGE) return std::nullopt;
-  return value;
-}
-
-/// In decimal: hexadecimal digits, which strtod would take, are not read.
-std::optional<double> numberOf(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.find_first_of("xX") != std::string::npos || text.empty() || end != text.c_str() + text.size() ||
-      !std::isfinite(value))
-    return std::nullopt;
   return value;
 }
 
@@ -156,7 +147,7 @@ CLI::Validator numberFrom(double least, double greatest) {
   const bool open = greatest == std::numeric_limits<double>::max();
   return rule(
       [=](const std::string& text) {
-        const std::optional<double> value = numberOf(text);
+        const std::optional<double> value = decimalNumber(text);
         return value && *value >= least && *value <= greatest;
       },
       open ? "a finite number of at least " + shown(least)
@@ -167,7 +158,7 @@ CLI::Validator numberFrom(double least, double greatest) {
 CLI::Validator numberAbove(double least) {
   return rule(
       [=](const std::string& text) {
-        const std::optional<double> value = numberOf(text);
+        const std::optional<double> value = decimalNumber(text);
         return value && *value > least;
       },
       "a finite number above " + shown(least), "> " + shown(least));
@@ -176,7 +167,7 @@ CLI::Validator numberAbove(double least) {
 CLI::Validator numberBetween(double least, double greatest) {
   return rule(
       [=](const std::string& text) {
-        const std::optional<double> value = numberOf(text);
+        const std::optional<double> value = decimalNumber(text);
         return value && *value > least && *value < greatest;
       },
       "a number above " + shown(least) + " and below " + shown(greatest),
@@ -184,7 +175,7 @@ CLI::Validator numberBetween(double least, double greatest) {
 }
 
 CLI::Validator finiteNumber() {
-  return rule([](const std::string& text) { return numberOf(text).has_value(); }, "a finite number", "");
+  return rule([](const std::string& text) { return decimalNumber(text).has_value(); }, "a finite number", "");
 }
 
 CLI::Validator byteCount(std::uint64_t least) {

@@ -40,6 +40,7 @@ class OptionsFromYaml {
   YAML::Node find(const std::string& key);
   template <class Value>
   void read(const std::string& key, const char* type, Value& field);
+  double numberOf(const YAML::Node& node, const std::string& key) const;
   [[noreturn]] void fail(const YAML::Node& node, const std::string& field, const std::string& rule) const;
   void requireRange(const std::string& key, double value, const char* unit, const Range& range);
 
