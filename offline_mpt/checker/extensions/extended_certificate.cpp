@@ -11,9 +11,9 @@ namespace checker {
 namespace {
 
 // How lines of extensions begin.
-const char* const kOfExtensions[] = {"dropped ",     "relaxed ",         "implied ",   "counts ",
+const char* const kOfExtensions[] = {"dropped ",     "relaxed ",         "implied ",
                                      "left_out ",    "dropped_follows ", "tolerated ", "tolerated_follows ",
-                                     "convexity l",  "convexity s",      "coverage w", "sliver_region ",
+                                     "convexity l",  "coverage w", "sliver_region ",
                                      "sliver_cover "};
 
 }  // namespace
@@ -48,10 +48,6 @@ bool ExtendedCertificate::readFurther(const std::string& key, Line& line) {
     implied_.push_back(readWeights(line));
     return true;
   }
-  if (key == "counts") {
-    readCounts(line);
-    return true;
-  }
   if (key == "sliver_region") {
     require(claims_.size() >= map().regions.size(), "a sliver before the last region");
     claims_.emplace_back();
@@ -71,14 +67,6 @@ bool ExtendedCertificate::readFurther(const std::string& key, Line& line) {
     readFollows(key, line);
   }
   return true;
-}
-
-void ExtendedCertificate::readCounts(Line& line) {
-  Counts& counts = counts_.emplace_back();
-  counts.name = line.word();
-  counts.row = line.count(kMany);
-  counts.column = line.count(kMany);
-  counts.value = line.fraction();
 }
 
 ProvenRegion ExtendedCertificate::checkRegion(std::size_t index, const Region& region) const {
@@ -107,8 +95,7 @@ void ExtendedCertificate::checkLookups(const std::vector<ProvenRegion>& regions)
 }
 
 void ExtendedCertificate::requireKinds(const std::string& convexity, const std::string& coverage) const {
-  require(convexity == "definite" || convexity == "linear" || convexity == "singular",
-          "convexity: " + convexity);
+  require(convexity == "definite" || convexity == "linear", "convexity: " + convexity);
   require(coverage == "exact" || coverage == "widened", "coverage: " + coverage);
 }
 
@@ -130,13 +117,6 @@ std::string ExtendedCertificate::conditions() const {
   for (const FurtherClaim& claim : further_) tolerated += claim.tolerated.size();
   add(tolerated, "rows hold in a region within 2^-40 of their size only");
   if (isLinear()) text += "linear program: of several optima the shortest\n";
-  if (isSingular()) text += "H is singular: of several optima the shortest\n";
-  const auto is_bound = [](const Counts& counts) { return counts.name == "b"; };
-  const auto bounds = static_cast<std::size_t>(std::count_if(counts_.begin(), counts_.end(), is_bound));
-  add(bounds,
-      "bounds of rows that count as equalities differ by at most 2^-29 of the sum of the row's entries");
-  add(counts_.size() - bounds,
-      "entries count as others that differ by at most 2^-30 of the greatest of their matrix or row");
   add(relaxed_.size(), "rows have bounds that are greater by 2^-40 of their size");
   const auto is_equality = [this](std::size_t row) { return equalities_.count(row) > 0; };
   const auto near = static_cast<std::size_t>(std::count_if(dropped_.begin(), dropped_.end(), is_equality));

@@ -9,14 +9,8 @@ namespace polyfly::tolerance {
 /// How far outside of a half-space a look-up still counts a parameter as inside [scaled].
 constexpr double kMembership = format::kMaxTolerance;
 
-/// A least eigenvalue below this makes H singular.
-constexpr double kSemidefinite = 1e-8;
-
-/// Eigenvalues of a singular H below this are zero.
-constexpr double kNullEigenvalue = 1e-12;
-
-/// H is zero where its reduced form has no greater entry.
-constexpr double kVanishingHessian = 1e-13;
+/// With a greater least eigenvalue, doubles know that H is positive definite where equalities leave z free.
+constexpr double kClearlyDefinite = 1e-9;
 
 /// A smaller pivot or length is zero.
 constexpr double kProgramRank = 1e-11;
@@ -24,13 +18,7 @@ constexpr double kProgramRank = 1e-11;
 /// Equalities with a smaller pivot are dependent.
 constexpr double kEqualityRank = kProgramRank;
 
-/// A smaller part outside of the range of H is rounding.
-constexpr double kOutsideRange = 1e-11;
-
-/// Weight of |z|^2 in the program that finds a starting point where H is singular.
-constexpr double kSingularStart = 1e-6;
-
-/// The same for linear programs.
+/// Weight of |z|^2 in the program that finds a starting point where H is zero.
 constexpr double kLinearStart = 1e-5;
 
 /// Rows that differ by less are parallel.

@@ -63,17 +63,7 @@ void addAround(RegionWorkspace& worker, const ActiveSet& active, RegionResult& o
     worker.builder.neighbours(active, out.region, facet, out.neighbours);
 }
 
-/// Of a program whose H is singular: the regions behind each facet.
-void findBehindFacets(RegionWorkspace& worker, const ActiveSet& active, RegionResult& out) {
-  for (const Facet& facet : out.region.facets) {
-    worker.sets.clear();
-    if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kBoundary) continue;
-    worker.behind->find(facet, out.region, worker.sets, out.neighbours, out.unresolved);
-    ++out.degenerate_facets;
-  }
-}
-
-/// Of a program whose H is not. Degenerate facets come after all others: a probe overwrites the builder's
+/// The regions behind each facet. Degenerate facets come after all others: a probe overwrites the builder's
 /// rows.
 void crossFacets(const NormalisedProgram& program, RegionWorkspace& worker, const ActiveSet& active,
                  RegionResult& out) {
@@ -116,11 +106,7 @@ void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, co
   out.status = worker.builder.build(active, out.region);
   switch (out.status) {
     case BuildStatus::kRegion:
-      if (program.semidefinite) {
-        findBehindFacets(worker, active, out);
-      } else {
-        crossFacets(program, worker, active, out);
-      }
+      crossFacets(program, worker, active, out);
       break;
     case BuildStatus::kLowerDimensional:
       addAround(worker, active, out);
@@ -138,8 +124,6 @@ void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, co
 
 bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,
                ActiveSet& active) {
-  // Where H is singular, multipliers are as small as the multiple of the identity that is added to H.
-  const double least = program.semidefinite ? 0.0 : tolerance::kActiveMultiplier;
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   Region region;
@@ -150,7 +134,7 @@ bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, 
       const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
       t(j) += spread * (2.0 * unit - 1.0);
     }
-    if (!activeSetAt(program, worker.qp, t, 0.0, least, active)) continue;
+    if (!activeSetAt(program, worker.qp, t, 0.0, tolerance::kActiveMultiplier, active)) continue;
     if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
   }
   return false;

@@ -8,8 +8,8 @@ bool activeSetAt(const NormalisedProgram& program, DenseQp& qp, const Eigen::Vec
                  double least, ActiveSet& active) {
   Eigen::VectorXd t1(program.p + 1);
   t1 << t, 1.0;
-  const Eigen::VectorXd g = program.F * t1;
-  const Eigen::VectorXd b = program.S * t1 - margin * program.length;
+  const Eigen::VectorXd g = program.cost * t1;
+  const Eigen::VectorXd b = (program.D * t1).array() - margin;
   if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
   active.clear();
   for (int k = 0; k < qp.activeCount(); ++k) {

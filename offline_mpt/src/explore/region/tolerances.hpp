@@ -93,33 +93,6 @@ constexpr double kProbeEdge = 1e-9;
 /// Rows with smaller multipliers are not active in a starting point.
 constexpr double kActiveMultiplier = 1e-10;
 
-/// Multiples of the identity that are added to a singular H.
-constexpr double kAddedIdentity[] = {1e-6, 1e-8, 1e-4, 1e-9};
-
-/// Distances of probes behind a facet [scaled].
-constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};
-
-/// Rows with smaller multipliers are not active.
-constexpr double kActiveShare = 1e-4;
-
-/// Parts of a facet with a smaller inscribed ball are left out [scaled].
-constexpr double kThinPiece = 1e-9;
-
-/// Planes at a smaller angle are parallel.
-constexpr double kParallelPlanes = 1e-9;
-
-/// z has no limit if it grows by this factor when a hundredth as much is added to H, and exceeds kUnlimitedSize.
-constexpr double kUnlimitedGrowth = 20.0;
-
-/// A z without limit is greater.
-constexpr double kUnlimitedSize = 1e3;
-
-/// A smaller number is zero.
-constexpr double kShortestZero = 1e-10;
-
-/// Within this factor of kShortestZero rounding may decide what is zero.
-constexpr double kShortestDoubt = 1e3;
-
 /// Error of multipliers up to which 32 digits are enough.
 constexpr double kTrustedMultipliers = 1e-16;
 
