@@ -47,17 +47,21 @@ ParametricProgram inUnits(ParametricProgram program, const Units& units) {
   return program;
 }
 
+// Where several active sets describe one region, rounding may choose among them.
 void expectSameAnswers(const Partition& expected, const Partition& found, const Units& units) {
   ASSERT_EQ(found.status, expected.status);
   ASSERT_EQ(found.regions.size(), expected.regions.size());
-  for (std::size_t k = 0; k < found.regions.size(); ++k) {
-    const CriticalRegion &one = expected.regions[k], &other = found.regions[k];
-    ASSERT_EQ(other.active, one.active);
-    const Eigen::VectorXd u = one.K * one.centre + one.k;
-    const Eigen::VectorXd theta = one.centre / units.parameters;
-    const Eigen::VectorXd difference = (other.K * theta + other.k) * units.outputs - u;
-    EXPECT_LT(difference.cwiseAbs().maxCoeff(), kSame * std::max(1.0, u.cwiseAbs().maxCoeff()));
-    EXPECT_LT((other.G * theta - other.g).maxCoeff() * units.parameters, kSame);
+  for (const CriticalRegion& region : expected.regions) {
+    const Eigen::VectorXd u = region.K * region.centre + region.k;
+    const Eigen::VectorXd theta = region.centre / units.parameters;
+    int held = 0;
+    for (const CriticalRegion& other : found.regions) {
+      if ((other.G * theta - other.g).maxCoeff() > 0.0) continue;
+      ++held;
+      const Eigen::VectorXd difference = (other.K * theta + other.k) * units.outputs - u;
+      EXPECT_LT(difference.cwiseAbs().maxCoeff(), kSame * std::max(1.0, u.cwiseAbs().maxCoeff()));
+    }
+    EXPECT_EQ(held, 1);
   }
 }
 
@@ -97,7 +101,8 @@ TEST(Units, OfAllQuantitiesAtOnce) {
       const Partition partition = explore(other);
       expectSameAnswers(explore(program), partition, units);
       const MapInMemory map(encode(other, partition));
-      EXPECT_TRUE(certify(map.map(), other).passed());
+      const CertifyReport proof = certify(map.map(), other);
+      EXPECT_TRUE(proof.passed()) << certifyText(proof);
       VerifyOptions options;
       options.samples = 500;
       const VerifyReport report = verify(map.map(), other, options);
