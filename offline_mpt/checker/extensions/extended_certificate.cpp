@@ -11,10 +11,9 @@ namespace checker {
 namespace {
 
 // How lines of extensions begin.
-const char* const kOfExtensions[] = {"dropped ",     "relaxed ",         "implied ",
-                                     "left_out ",    "dropped_follows ", "tolerated ", "tolerated_follows ",
-                                     "convexity l",  "coverage w", "sliver_region ",
-                                     "sliver_cover "};
+const char* const kOfExtensions[] = {
+    "dropped ",           "relaxed ",    "implied ",   "left_out ",      "dropped_follows ", "tolerated ",
+    "tolerated_follows ", "convexity l", "coverage w", "sliver_region ", "sliver_cover "};
 
 }  // namespace
 

@@ -28,14 +28,13 @@ struct Elimination {
   std::vector<int> columns_left;  // not yet eliminated, right-hand sides included
 };
 
-// The entry of fewest bits: with bounds among the constraints most pivots
-// are 1, and numbers stay small.
+// The entry of M of fewest bits: with bounds among the constraints most pivots are 1, and numbers stay small.
 bool choosePivot(const IntegerMatrix& system, const Elimination& state, int& row, int& column) {
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
   for (int i = 0; i < state.size; ++i) {
     if (state.row_used[i]) continue;
     for (const int j : state.columns_left) {
-      if (system(i, j) == 0) continue;
+      if (j >= state.size || system(i, j) == 0) continue;
       const std::size_t bits = mpz_sizeinbase(system(i, j).get_mpz_t(), 2);
       if (bits >= fewest) continue;
       fewest = bits;

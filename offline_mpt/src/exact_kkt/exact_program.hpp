@@ -49,7 +49,7 @@ struct ExactProgram : ExactRanges {
   int m = 0;
   int p = 0;
   int q = 0;
-  bool linear = false;        ///< H = 0; `H` is then the identity: of several optima the shortest
+  bool linear = false;  ///< H = 0; `H` is then the identity: of several optima the shortest
   long shift = 0;
   long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
   std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]

@@ -141,7 +141,8 @@ void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
 }
 
 /// (M theta + v) in t, with centres and half ranges that are not rounded.
-WideMatrix wideInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v, const ParametricProgram& program) {
+WideMatrix wideInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
+                        const ParametricProgram& program) {
   const Eigen::Index p = program.parameterCount();
   WideMatrix result(v.size(), p + 1);
   result.col(p) = wide(v);
@@ -193,12 +194,9 @@ IdentityForm metricForm(const ParametricProgram& program, AffineProgram reduced,
 }  // namespace
 
 AffineProgram affineInBox(const ParametricProgram& program) {
-  return {wide(program.H),
-          wideInScaled(program.F, program.f, program),
-          wide(program.A),
-          wideInScaled(program.S, program.b, program),
-          wide(program.E),
-          wideInScaled(program.C, program.c, program)};
+  return {wide(program.H), wideInScaled(program.F, program.f, program),
+          wide(program.A), wideInScaled(program.S, program.b, program),
+          wide(program.E), wideInScaled(program.C, program.c, program)};
 }
 
 NormalisedProgram normalise(const ParametricProgram& program) {

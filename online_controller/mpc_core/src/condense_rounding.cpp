@@ -56,7 +56,8 @@ class RoundingError {
     inverse_root_ = rounded(form.root.triangularView<Eigen::Lower>().solve(WideMatrix::Identity(n, n)));
     const WideMatrix cost = affineProgram(program).cost;
     const WideMatrix half_way = form.root.triangularView<Eigen::Lower>().solve(cost);
-    const Eigen::MatrixXd free = rounded(form.root.transpose().triangularView<Eigen::Upper>().solve(half_way));
+    const Eigen::MatrixXd free =
+        rounded(form.root.transpose().triangularView<Eigen::Upper>().solve(half_way));
     z_ = greatestVariables(program, free.cwiseAbs() * withOne(theta_), theta_);
   }
 
@@ -93,15 +94,16 @@ class RoundingError {
     const Eigen::VectorXd diagonal = program_.H.diagonal().cwiseSqrt();
     const Eigen::VectorXd slopes =
         diagonal.cwiseInverse().asDiagonal() * (program_.F.cwiseAbs() * theta_ + program_.f.cwiseAbs());
-    const double wide_error = kWideError * (inverse_root_.cwiseAbs() * diagonal).norm() *
-                              (diagonal.dot(z_) + slopes.maxCoeff());
-    return lengths(numbers_.H).dot(z_) + lengths(numbers_.F).dot(theta_) + lengths(numbers_.f)(0) + wide_error;
+    const double wide_error =
+        kWideError * (inverse_root_.cwiseAbs() * diagonal).norm() * (diagonal.dot(z_) + slopes.maxCoeff());
+    return lengths(numbers_.H).dot(z_) + lengths(numbers_.F).dot(theta_) + lengths(numbers_.f)(0) +
+           wide_error;
   }
 
   /// The furthest that a single row moves, in the norm of H.
   double ofRows() const {
-    const Eigen::VectorXd moved = rest(numbers_.A).cwiseAbs() * z_ + rest(numbers_.S).cwiseAbs() * theta_ +
-                                  rest(numbers_.b).cwiseAbs();
+    const Eigen::VectorXd moved =
+        rest(numbers_.A).cwiseAbs() * z_ + rest(numbers_.S).cwiseAbs() * theta_ + rest(numbers_.b).cwiseAbs();
     return moved.size() == 0 ? 0.0 : moved.cwiseQuotient(form_.length).maxCoeff();
   }
 
@@ -148,8 +150,9 @@ void requireSmallRounding(const MpcProblem& problem, const Prediction& predictio
     condition = shortText(rounding.condition());
     effect = "may change by " + shortText(error) + " of its range";
   }
-  throw Error((problem.source.empty() ? problem.name : problem.source) + ": the condensed cost has the condition " +
-              condition + ", so by rounding an input " + effect + ", more than 1e-6: " + cause(problem, prediction));
+  throw Error((problem.source.empty() ? problem.name : problem.source) +
+              ": the condensed cost has the condition " + condition + ", so by rounding an input " + effect +
+              ", more than 1e-6: " + cause(problem, prediction));
 }
 
 }  // namespace polyfly

@@ -38,7 +38,8 @@ struct DegenerateFacet {
 /// The work space of one thread for computeRegion.
 struct RegionWorkspace {
   RegionWorkspace(const NormalisedProgram& program, const ExploreOptions& options)
-      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.start_weight * Eigen::MatrixXd::Identity(program.n, program.n), program.M) {}
+      : builder(program, options.facet_tolerance, options.radius_tolerance),
+        qp(program.start_weight * Eigen::MatrixXd::Identity(program.n, program.n), program.M) {}
 
   unsigned long long pivots() const { return builder.pivots(); }
 
