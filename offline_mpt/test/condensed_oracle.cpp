@@ -52,24 +52,43 @@ std::vector<Real> solved(Rows a, std::vector<Real> b) {
   return b;
 }
 
-/// The stabilising solution, by the recursion from P = Q until nothing changes.
+Rows sum(Rows a, const Rows& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t j = 0; j < a[i].size(); ++j) a[i][j] += b[i][j];
+  return a;
+}
+
+Rows identity(std::size_t size) {
+  Rows result = zero(size, size);
+  for (std::size_t i = 0; i < size; ++i) result[i][i] = 1;
+  return result;
+}
+
+Rows inverse(const Rows& a) {
+  Rows columns;
+  for (const std::vector<Real>& unit : identity(a.size())) columns.push_back(solved(a, unit));
+  return transposed(columns);
+}
+
+/// The stabilising solution, by doubling the horizon.
 Rows riccati(const Rows& A, const Rows& B, const Rows& Q, const Real& R) {
-  constexpr int kMost = 200000;
-  Rows P = Q;
+  constexpr int kMost = 100;
+  Rows A_k = A, P = Q, G = product(B, transposed(B));
+  for (std::vector<Real>& row : G)
+    for (Real& entry : row) entry /= R;
   for (int round = 0; round < kMost; ++round) {
-    const Rows PA = product(P, A), PB = product(P, B);
-    const Rows BPA = product(transposed(B), PA);
-    const Real BPB = product(transposed(B), PB)[0][0] + R;
-    Rows next = product(transposed(A), PA);
+    const Rows W = inverse(sum(identity(A.size()), product(G, P)));
+    const Rows step = product(product(transposed(A_k), P), product(W, A_k));
+    G = sum(G, product(product(A_k, W), product(G, transposed(A_k))));
+    A_k = product(A_k, product(W, A_k));
+    P = sum(P, step);
     Real change = real(0.0), size = real(0.0);
     for (std::size_t i = 0; i < P.size(); ++i) {
       for (std::size_t j = 0; j < P.size(); ++j) {
-        next[i][j] += Q[i][j] - BPA[0][i] * BPA[0][j] / BPB;
-        change = std::max(change, Real(abs(next[i][j] - P[i][j])));
-        size = std::max(size, Real(abs(next[i][j])));
+        change = std::max(change, Real(abs(step[i][j])));
+        size = std::max(size, Real(abs(P[i][j])));
       }
     }
-    P = next;
     if (change * Real("1e50", kBits) <= size) return P;
   }
   throw std::runtime_error("no solution of the Riccati equation");

@@ -18,6 +18,18 @@ constexpr double kGreatestError = 1e-6;
 // diagonal entries of its row and column.
 constexpr double kWideError = 1024.0 * kDoubleDoubleUnit;
 
+WideMatrix beside(const WideMatrix& M, const WideMatrix& v) {
+  WideMatrix result(M.rows(), M.cols() + 1);
+  result << M, v;
+  return result;
+}
+
+/// The program before it is rounded.
+AffineProgram unrounded(const WideProgram& numbers, const ParametricProgram& program) {
+  return {numbers.H,       beside(numbers.F, numbers.f), numbers.A, beside(numbers.S, numbers.b),
+          wide(program.E), beside(numbers.C, numbers.c)};
+}
+
 /// value - rounded value
 Eigen::MatrixXd rest(const WideMatrix& numbers) { return rounded(numbers - wide(rounded(numbers))); }
 
@@ -54,7 +66,7 @@ class RoundingError {
       : numbers_(numbers), program_(program), form_(form), theta_(greatestParameters(program)) {
     const Eigen::Index n = program.variableCount();
     inverse_root_ = rounded(form.root.triangularView<Eigen::Lower>().solve(WideMatrix::Identity(n, n)));
-    const WideMatrix cost = affineProgram(program).cost;
+    const WideMatrix cost = beside(numbers.F, numbers.f);
     const WideMatrix half_way = form.root.triangularView<Eigen::Lower>().solve(cost);
     const Eigen::MatrixXd free =
         rounded(form.root.transpose().triangularView<Eigen::Upper>().solve(half_way));
@@ -143,7 +155,7 @@ void requireSmallRounding(const MpcProblem& problem, const Prediction& predictio
                           const ParametricProgram& program) {
   std::string condition = "more than 1e28";
   std::string effect = "may change";
-  if (const std::optional<IdentityForm> form = identityForm(affineProgram(program))) {
+  if (const std::optional<IdentityForm> form = identityForm(unrounded(numbers, program))) {
     const RoundingError rounding(numbers, program, *form);
     const double error = rounding.ofInputs();
     if (error <= kGreatestError) return;
