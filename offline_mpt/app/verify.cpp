@@ -139,7 +139,7 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--tolerance", options->verify.tolerance,
-                   "Greatest error of the input, relative to max(1, |u|).")
+                   "Greatest error of the input, as a share of its range.")
       ->check(numberAbove(0.0))
       ->capture_default_str();
   command

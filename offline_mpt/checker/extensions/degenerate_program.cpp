@@ -32,6 +32,7 @@ void ExtendedCertificate::finish() {
   const Vector& H = data("H").entries;
   const bool is_zero = std::all_of(H.begin(), H.end(), [](const Fraction& entry) { return entry == 0; });
   require(is_zero == isLinear(), "convexity: H is zero, or is not");
+  require(weights_.empty() || (is_zero && weights_.size() == n_), "weights do not fit the program");
   original_ = data_;
   relaxBounds();
 }

@@ -12,8 +12,11 @@ namespace {
 
 // How lines of extensions begin.
 const char* const kOfExtensions[] = {
-    "dropped ",           "relaxed ",    "implied ",   "left_out ",      "dropped_follows ", "tolerated ",
-    "tolerated_follows ", "convexity l", "coverage w", "sliver_region ", "sliver_cover "};
+    "dropped ",   "relaxed ",           "implied ",    "weights ",   "left_out ",      "dropped_follows ",
+    "tolerated ", "tolerated_follows ", "convexity l", "coverage w", "sliver_region ", "sliver_cover "};
+
+// 2^kGreatestWeight is the greatest weight of a variable. Doubles span no more.
+constexpr std::size_t kGreatestWeight = 8192;
 
 }  // namespace
 
@@ -41,6 +44,11 @@ bool ExtendedCertificate::readFurther(const std::string& key, Line& line) {
     std::set<std::size_t>& rows = key == "dropped" ? dropped_ : relaxed_;
     require(rows.empty(), key + " is given twice");
     for (std::size_t k = line.count(kMany); k > 0; --k) rows.insert(line.count(kMany));
+    return true;
+  }
+  if (key == "weights") {
+    require(weights_.empty(), "weights is given twice");
+    for (std::size_t k = line.count(kMany); k > 0; --k) weights_.push_back(line.count(kGreatestWeight));
     return true;
   }
   if (key == "implied") {

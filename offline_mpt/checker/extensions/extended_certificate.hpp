@@ -71,6 +71,8 @@ class ExtendedCertificate : public Certificate {
 
   Matrices original_;
   std::set<std::size_t> dropped_, relaxed_;
+  /// Of |z|^2, as binary logarithms. None: they are all the same.
+  std::vector<std::size_t> weights_;
   std::vector<Weights> implied_;
   /// By region, as far as there are lines.
   std::vector<FurtherClaim> further_;

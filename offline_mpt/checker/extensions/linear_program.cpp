@@ -7,7 +7,7 @@
 
 namespace checker {
 
-/// H = I without cost gives the shortest z. The cost alone, in a second group of right-hand sides, gives the cost
+/// H of the weights without cost gives the shortest z. The cost alone, in a second group of right-hand sides, gives the cost
 /// multipliers.
 std::vector<Row> ExtendedCertificate::linearSystem(const std::vector<std::size_t>& rows) const {
   const std::size_t size = n_ + rows.size(), width = p_ + 1;
@@ -15,7 +15,7 @@ std::vector<Row> ExtendedCertificate::linearSystem(const std::vector<std::size_t
   for (std::size_t i = 0; i < size; ++i) {
     Vector equation(size + 2 * width);
     if (i < n_) {
-      equation[i] = 1;
+      equation[i] = weights_.empty() ? Integer(1) : Integer(1) << weights_[i];
       for (std::size_t r = 0; r < rows.size(); ++r) equation[n_ + r] = data("A").at(rows[r], i);
       const Vector cost = affine("F", "f", i, 1);
       for (std::size_t j = 0; j < width; ++j) equation[size + width + j] = -cost[j];

@@ -9,6 +9,7 @@
 #include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
+#include "program/scaled_program.hpp"
 #include "program/slater_point.hpp"
 
 namespace polyfly {
@@ -51,6 +52,15 @@ void makeConvex(const ParametricProgram& program, ProgramPerturbation& adjustmen
   throw Error(program.name + ": H: not positive semidefinite in exact arithmetic");
 }
 
+// The exploration has the shortest of several optima in units of its own.
+void chooseWeights(const ParametricProgram& program, ProgramPerturbation& adjustment) {
+  const std::vector<int> sizes = scaleProgram(program).variables;
+  if (!program.H.isZero(0.0) || sizes.empty()) return;
+  const auto [least, greatest] = std::minmax_element(sizes.begin(), sizes.end());
+  if (*least == *greatest) return;
+  for (const int size : sizes) adjustment.weights.push_back(2 * (*greatest - size));
+}
+
 bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
   Eigen::Index pivot = 0;
   program.A.row(k).cwiseAbs().maxCoeff(&pivot);
@@ -67,7 +77,7 @@ bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
 
 void dropRepeated(const ParametricProgram& program, const std::vector<char>& may_drop,
                   ProgramPerturbation& adjustment) {
-  const RepeatedRows rows(program);
+  const RepeatedRows rows(scaleProgram(program).program);
   for (int i = 0; i < program.rowCount(); ++i) {
     if (!may_drop[i] || isEquality(program, i)) continue;
     for (int k = 0; k < program.rowCount(); ++k) {
@@ -88,6 +98,7 @@ ProgramPerturbation adjust(const ParametricProgram& program, const std::vector<c
   ProgramPerturbation adjustment;
   takeEqualities(program, adjustment);
   makeConvex(program, adjustment);
+  chooseWeights(program, adjustment);
   dropRepeated(program, may_drop, adjustment);
   return adjustment;
 }

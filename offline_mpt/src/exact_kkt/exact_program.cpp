@@ -89,7 +89,11 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgr
 
   std::vector<Rational> H_values = numbers.H;
   if (linear) {
-    for (int i = 0; i < n * n; ++i) H_values[i] = i % (n + 1) == 0 ? 1 : 0;
+    std::fill(H_values.begin(), H_values.end(), 0);
+    for (int i = 0; i < n; ++i)
+      H_values[i * (n + 1)] =
+          Integer(1) << static_cast<unsigned long>(
+              adjustment.weights.empty() ? 0 : adjustment.weights[static_cast<std::size_t>(i)]);
   }
   const std::vector<Rational> cost_values = affine(numbers.F, numbers.f, *this);
   const std::vector<Rational> bound_values = affine(numbers.S, numbers.b, *this);

@@ -21,6 +21,8 @@ struct ProgramPerturbation {
   std::vector<int> dropped;
   /// Inequalities whose bounds count as b + 2^-kRelaxedBits |row|.
   std::vector<int> relaxed;
+  /// H is zero: of several optima that of the least sum of 2^weights[j] z_j^2 counts. Empty: they are all the same.
+  std::vector<int> weights;
   /// Independent rows taken as equalities. All other equalities follow from them.
   std::vector<int> basis;
   /// Proofs that the inequalities in the basis are implied equalities.
@@ -49,7 +51,7 @@ struct ExactProgram : ExactRanges {
   int m = 0;
   int p = 0;
   int q = 0;
-  bool linear = false;  ///< H = 0; `H` is then the identity: of several optima the shortest
+  bool linear = false;  ///< H = 0; `H` is then that of the weights: of several optima the shortest
   long shift = 0;
   long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
   std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]

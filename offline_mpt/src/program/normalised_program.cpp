@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "arithmetic/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
@@ -9,6 +10,7 @@
 #include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
+#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {
@@ -173,8 +175,6 @@ IdentityForm metricForm(const ParametricProgram& program, AffineProgram reduced,
   if (program.H.isZero(0.0)) {
     ld.linear = true;
     ld.cost = rounded(reduced.cost);
-    ld.start_weight =
-        tolerance::kLinearStart * std::max(ld.cost.lpNorm<Eigen::Infinity>(), tolerance::kProgramRank);
     reduced.H.setIdentity();
     reduced.cost.setZero();
     return *identityForm(reduced);
@@ -199,12 +199,15 @@ AffineProgram affineInBox(const ParametricProgram& program) {
           wide(program.E), wideInScaled(program.C, program.c, program)};
 }
 
-NormalisedProgram normalise(const ParametricProgram& program) {
-  if (program.parameterCount() > kMostParameters)
-    throw Error(program.name + ": parameters: must be at most " + std::to_string(kMostParameters) + ", got " +
-                std::to_string(program.parameterCount()));
+NormalisedProgram normalise(const ParametricProgram& given) {
+  if (given.parameterCount() > kMostParameters)
+    throw Error(given.name + ": parameters: must be at most " + std::to_string(kMostParameters) + ", got " +
+                std::to_string(given.parameterCount()));
+  ScaledProgram scaled = scaleProgram(given);
   NormalisedProgram ld;
-  ld.source = program;
+  ld.source = std::move(scaled.program);
+  ld.outputs = std::move(scaled.outputs);
+  const ParametricProgram& program = ld.source;
   ld.rounding = tolerance::kDoubleRounding;
   ld.p = program.parameterCount();
   ld.centre.resize(ld.p);

@@ -11,7 +11,7 @@ namespace polyfly {
 
 /// A parametric program brought to the form in which it is explored.
 ///
-/// Parameters are scaled, theta = centre + half .* t with t in [-1, 1]^p; equalities are eliminated; rows
+/// Rows, cost, z and u are in the units of scaleProgram. Parameters are scaled, theta = centre + half .* t with t in [-1, 1]^p; equalities are eliminated; rows
 /// that repeat or are implied by a parallel row are dropped; rows have unit length in the norm of H^-1. With
 /// multipliers lambda of the rows left,
 ///
@@ -50,18 +50,19 @@ struct NormalisedProgram {
   /// A row without z can never hold.
   bool domain_empty = false;
 
-  // Starting points: min 1/2 start_weight v'v + (cost (t, 1))'v, M v <= D (t, 1), without a cost unless H is zero.
-  double start_weight = 1.0;
-
   // The reduced program in t: A z <= S (t, 1).
   Eigen::MatrixXd A;  ///< m x n
   /// Lengths of the rows of A in the norm of H^-1.
   Eigen::VectorXd length;  ///< m
   Eigen::MatrixXd S;       ///< m x (p + 1), constant last
 
-  /// The program before the reduction.
+  /// The program before the reduction, scaled.
   ParametricProgram source;
+  /// ScaledProgram::outputs: u of the program as it was given is 2^outputs times u.
+  std::vector<int> outputs;  ///< q
 
+  /// Whether the cost of z does not depend on the parameters. H is zero.
+  bool constantCost() const { return cost.leftCols(p).isZero(0.0); }
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };
 

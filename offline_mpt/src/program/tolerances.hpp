@@ -18,9 +18,6 @@ constexpr double kProgramRank = 1e-11;
 /// Equalities with a smaller pivot are dependent.
 constexpr double kEqualityRank = kProgramRank;
 
-/// Weight of |z|^2 in the program that finds a starting point where H is zero.
-constexpr double kLinearStart = 1e-5;
-
 /// Rows that differ by less are parallel.
 constexpr double kParallelRows = 1e-12;
 
@@ -55,8 +52,8 @@ constexpr double kBlockingShare = 1e-4;
 /// Two rows are opposite if their entries cancel up to this.
 constexpr double kOppositeRows = 1e-14;
 
-/// Variables with a greater entry are not scaled.
-constexpr double kSmallColumn = 1e-2;
+/// Weight by which the size of a variable that no bound gives one is that of its unit.
+constexpr double kFreeSize = 1e-9;
 
 /// A shorter row has no normal.
 constexpr double kNoNormal = 1e-13;

@@ -39,7 +39,7 @@ struct DegenerateFacet {
 struct RegionWorkspace {
   RegionWorkspace(const NormalisedProgram& program, const ExploreOptions& options)
       : builder(program, options.facet_tolerance, options.radius_tolerance),
-        qp(program.start_weight * Eigen::MatrixXd::Identity(program.n, program.n), program.M) {}
+        qp(Eigen::MatrixXd::Identity(program.n, program.n), program.M) {}
 
   unsigned long long pivots() const { return builder.pivots(); }
 
