@@ -118,15 +118,16 @@ BoundedTracking randomPlant(unsigned seed) {
     return std::uniform_real_distribution<double>(lower, upper)(random);
   };
   const auto scale = [&](double decades) { return std::pow(10.0, uniform(-decades, decades)); };
+  const double decades = seed % 2 == 0 ? 12.0 : 6.0;
   BoundedTracking plant;
   const std::size_t nx = 1 + random() % 2;
   plant.horizon = 2 + static_cast<int>(random() % 3);
-  plant.limit = scale(6.0);
+  plant.limit = scale(decades);
   for (std::size_t i = 0; i < nx; ++i) {
     plant.A.emplace_back();
     for (std::size_t j = 0; j < nx; ++j) plant.A.back().push_back(uniform(-1.5, 1.5));
-    plant.ranges.push_back(scale(6.0));
-    plant.Q.push_back(scale(6.0));
+    plant.ranges.push_back(scale(decades));
+    plant.Q.push_back(scale(decades));
   }
   // Units of the states, then of the input.
   for (std::size_t i = 0; i < nx; ++i) {
@@ -134,9 +135,9 @@ BoundedTracking randomPlant(unsigned seed) {
     plant.B.push_back(uniform(-1.0, 1.0) * plant.ranges[i] / plant.limit);
     plant.Q[i] /= plant.ranges[i] * plant.ranges[i];
   }
-  plant.R = scale(6.0) / (plant.limit * plant.limit);
+  plant.R = scale(decades) / (plant.limit * plant.limit);
   if (random() % 2 == 0) {
-    for (std::size_t i = 0; i < nx; ++i) plant.terminal.push_back(plant.Q[i] * scale(6.0));
+    for (std::size_t i = 0; i < nx; ++i) plant.terminal.push_back(plant.Q[i] * scale(decades));
   }
   return plant;
 }
@@ -160,7 +161,7 @@ TEST(BadlyScaledProblems, AreRightOrRefused) {
     EXPECT_TRUE(outcome == 0 || outcome == 1) << "seed " << seed << ": " << outcome;
     right += outcome == 0 ? 1 : 0;
   }
-  EXPECT_GE(right, 120);
+  EXPECT_GE(right, 100);
   std::printf("%d of 150 right, the others refused\n", right);
 }
 
