@@ -34,7 +34,8 @@ void confirmTracking(const checker::Certificate& certificate, const std::string&
                    "a tracking problem has no equalities");
   const checker::TrackingProblem problem = checker::readTrackingProblem(text);
   const checker::ExpectedProgram expected = checker::expectedProgram(problem);
-  const checker::ProgramMatch match = checker::matchProgram(certificate.program(), problem, expected, kTolerance);
+  const checker::ProgramMatch match =
+      checker::matchProgram(certificate.program(), problem, expected, kTolerance);
   std::printf(
       "confirmed: the program is that of the problem, within %.3g of the greatest entry of each row\n"
       "what that may change in an input: at most %.3g of its range\n"

@@ -36,7 +36,8 @@ BallMatrix besides(const Matrix& M, const Matrix& v) {
 RoundingEffect::RoundingEffect(const Matrices& program, const Ranges& parameters, const Ranges& inputs)
     : program_(program), inputs_(inputs), n_(program.at("H").rows), p_(parameters.size()) {
   inverse_ = solved(ballsOf(program.at("H")), BallMatrix::identity(n_));
-  for (const auto& [lower, upper] : parameters) theta_.emplace_back(std::max(std::abs(lower), std::abs(upper)));
+  for (const auto& [lower, upper] : parameters)
+    theta_.emplace_back(std::max(std::abs(lower), std::abs(upper)));
   theta_.emplace_back(1);
   const BallMatrix free = inverse_ * besides(program.at("F"), program.at("f"));
   for (std::size_t i = 0; i < n_; ++i) {
@@ -92,7 +93,8 @@ void RoundingEffect::addCost(const ExpectedProgram& expected) {
   add(expected.F - besides(program_.at("F"), program_.at("f")), theta_);
 }
 
-void RoundingEffect::addRow(const Vector& row, const Vector& on_z, const Vector& on_theta, const Fraction& bound) {
+void RoundingEffect::addRow(const Vector& row, const Vector& on_z, const Vector& on_theta,
+                            const Fraction& bound) {
   Fraction moved = bound;
   for (std::size_t j = 0; j < n_; ++j) moved += on_z[j] * z_[j];
   for (std::size_t j = 0; j < p_; ++j) moved += on_theta[j] * theta_[j];

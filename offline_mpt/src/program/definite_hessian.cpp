@@ -66,7 +66,8 @@ IntegerMatrix reducedHessian(const ParametricProgram& program, const Rows& Z) {
     std::vector<Rational> product(n);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = 0; j < n && left[i] != 0; ++j)
-        product[j] += left[i] * Rational(program.H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+        product[j] +=
+            left[i] * Rational(program.H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
     }
     for (const std::vector<Rational>& right : Z) {
       Rational sum;

@@ -158,7 +158,7 @@ WideMatrix wideInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
 }
 
 /// What the equalities leave of the program.
-AffineProgram reduce(const AffineProgram& whole, const EqualityElimination& free) {
+AffineProgram withoutEqualities(const AffineProgram& whole, const EqualityElimination& free) {
   const WideMatrix Z = wide(free.Z), z_p = wide(free.z_p);
   AffineProgram reduced;
   reduced.H = Z.transpose() * whole.H * Z;
@@ -219,7 +219,7 @@ NormalisedProgram normalise(const ParametricProgram& given) {
   setDomain(program, ld);
 
   AffineProgram reduced = affineInBox(program);
-  if (!program.equalities.empty()) reduced = reduce(reduced, eliminateEqualities(program, ld));
+  if (!program.equalities.empty()) reduced = withoutEqualities(reduced, eliminateEqualities(program, ld));
   ld.n = static_cast<int>(reduced.H.rows());
   const Eigen::MatrixXd A = rounded(reduced.A), S = rounded(reduced.bound);
   const IdentityForm form = metricForm(program, std::move(reduced), ld);

@@ -68,12 +68,12 @@ std::optional<Eigen::VectorXd> UnboundedCost::direction(const Eigen::VectorXd& t
   // along.
   if (qp_->activeCount() > 0) {
     Eigen::MatrixXd along(reduced_.n, qp_->activeCount());
-    for (int k = 0; k < qp_->activeCount(); ++k) along.col(k) = reduced_.M.row(qp_->activeRows()[k]).transpose();
+    for (int k = 0; k < qp_->activeCount(); ++k)
+      along.col(k) = reduced_.M.row(qp_->activeRows()[k]).transpose();
     direction -= along * PivotedQr(along).solve(direction);
     direction.normalize();
   }
-  const bool open =
-      reduced_.m == 0 || (reduced_.M * direction).maxCoeff() <= tolerance::kOpenDirection;
+  const bool open = reduced_.m == 0 || (reduced_.M * direction).maxCoeff() <= tolerance::kOpenDirection;
   if (!open || slope.dot(direction) >= -tolerance::kLevelCost) return std::nullopt;
   return direction;
 }

@@ -54,7 +54,8 @@ void setCost(const MpcProblem& problem, const WideModel& model, const Prediction
   const Eigen::Index n = static_cast<Eigen::Index>(blocks.size()) * nu;
   const DoubleDouble two = 2.0;
   const WideMatrix P = wideTerminalWeight(problem, model) * two;
-  const WideMatrix Q = wide(problem.Q) * two, R = wide(problem.R) * two, R_delta = wide(problem.R_delta) * two;
+  const WideMatrix Q = wide(problem.Q) * two, R = wide(problem.R) * two,
+                   R_delta = wide(problem.R_delta) * two;
   numbers->H = WideMatrix::Zero(n, n);
   WideMatrix F_error = WideMatrix::Zero(n, problem.stateCount());
   WideMatrix F_drift = WideMatrix::Zero(n, selectors.drift.cols());

@@ -18,6 +18,18 @@ constexpr double kGreatestError = 1e-6;
 // diagonal entries of its row and column.
 constexpr double kWideError = 1024.0 * kDoubleDoubleUnit;
 
+WideMatrix beside(const WideMatrix& M, const WideMatrix& v) {
+  WideMatrix result(M.rows(), M.cols() + 1);
+  result << M, v;
+  return result;
+}
+
+/// The program before it is rounded.
+AffineProgram unrounded(const WideProgram& numbers, const ParametricProgram& program) {
+  return {numbers.H,       beside(numbers.F, numbers.f), numbers.A, beside(numbers.S, numbers.b),
+          wide(program.E), beside(numbers.C, numbers.c)};
+}
+
 /// value - rounded value
 Eigen::MatrixXd rest(const WideMatrix& numbers) { return rounded(numbers - wide(rounded(numbers))); }
 
@@ -54,9 +66,10 @@ class RoundingError {
       : numbers_(numbers), program_(program), form_(form), theta_(greatestParameters(program)) {
     const Eigen::Index n = program.variableCount();
     inverse_root_ = rounded(form.root.triangularView<Eigen::Lower>().solve(WideMatrix::Identity(n, n)));
-    const WideMatrix cost = affineProgram(program).cost;
+    const WideMatrix cost = beside(numbers.F, numbers.f);
     const WideMatrix half_way = form.root.triangularView<Eigen::Lower>().solve(cost);
-    const Eigen::MatrixXd free = rounded(form.root.transpose().triangularView<Eigen::Upper>().solve(half_way));
+    const Eigen::MatrixXd free =
+        rounded(form.root.transpose().triangularView<Eigen::Upper>().solve(half_way));
     z_ = greatestVariables(program, free.cwiseAbs() * withOne(theta_), theta_);
   }
 
@@ -93,15 +106,16 @@ class RoundingError {
     const Eigen::VectorXd diagonal = program_.H.diagonal().cwiseSqrt();
     const Eigen::VectorXd slopes =
         diagonal.cwiseInverse().asDiagonal() * (program_.F.cwiseAbs() * theta_ + program_.f.cwiseAbs());
-    const double wide_error = kWideError * (inverse_root_.cwiseAbs() * diagonal).norm() *
-                              (diagonal.dot(z_) + slopes.maxCoeff());
-    return lengths(numbers_.H).dot(z_) + lengths(numbers_.F).dot(theta_) + lengths(numbers_.f)(0) + wide_error;
+    const double wide_error =
+        kWideError * (inverse_root_.cwiseAbs() * diagonal).norm() * (diagonal.dot(z_) + slopes.maxCoeff());
+    return lengths(numbers_.H).dot(z_) + lengths(numbers_.F).dot(theta_) + lengths(numbers_.f)(0) +
+           wide_error;
   }
 
   /// The furthest that a single row moves, in the norm of H.
   double ofRows() const {
-    const Eigen::VectorXd moved = rest(numbers_.A).cwiseAbs() * z_ + rest(numbers_.S).cwiseAbs() * theta_ +
-                                  rest(numbers_.b).cwiseAbs();
+    const Eigen::VectorXd moved =
+        rest(numbers_.A).cwiseAbs() * z_ + rest(numbers_.S).cwiseAbs() * theta_ + rest(numbers_.b).cwiseAbs();
     return moved.size() == 0 ? 0.0 : moved.cwiseQuotient(form_.length).maxCoeff();
   }
 
@@ -141,15 +155,16 @@ void requireSmallRounding(const MpcProblem& problem, const Prediction& predictio
                           const ParametricProgram& program) {
   std::string condition = "more than 1e28";
   std::string effect = "may change";
-  if (const std::optional<IdentityForm> form = identityForm(affineProgram(program))) {
+  if (const std::optional<IdentityForm> form = identityForm(unrounded(numbers, program))) {
     const RoundingError rounding(numbers, program, *form);
     const double error = rounding.ofInputs();
     if (error <= kGreatestError) return;
     condition = shortText(rounding.condition());
     effect = "may change by " + shortText(error) + " of its range";
   }
-  throw Error((problem.source.empty() ? problem.name : problem.source) + ": the condensed cost has the condition " +
-              condition + ", so by rounding an input " + effect + ", more than 1e-6: " + cause(problem, prediction));
+  throw Error((problem.source.empty() ? problem.name : problem.source) +
+              ": the condensed cost has the condition " + condition + ", so by rounding an input " + effect +
+              ", more than 1e-6: " + cause(problem, prediction));
 }
 
 }  // namespace polyfly

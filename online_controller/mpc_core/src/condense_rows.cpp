@@ -34,8 +34,7 @@ class Rows {
   /// Index of the row in A; -1 where it has become one of A_theta, or where the bound is infinite.
   int add(Row row) {
     if (!std::isfinite(row.bound)) return -1;
-    const bool without_z =
-        row.slack < 0 && size(row.on_z) <= kZeroRow * size(row.on_theta);
+    const bool without_z = row.slack < 0 && size(row.on_z) <= kZeroRow * size(row.on_theta);
     std::vector<Row>& rows = without_z ? parameter_rows_ : rows_;
     rows.push_back(std::move(row));
     return without_z ? -1 : static_cast<int>(rows.size()) - 1;
@@ -182,8 +181,7 @@ StageValue valueAt(int stage, const StageConstraint& constraint, const Horizon& 
     value.on_z += G_x * prediction.input[k];
     if (!prediction.drift.empty()) value.on_theta += G_x * prediction.drift[k];
   }
-  if (constraint.absolute)
-    value.on_theta += G_x * selectors.state + G_u * selectors.reference;
+  if (constraint.absolute) value.on_theta += G_x * selectors.state + G_u * selectors.reference;
   if (!constraint.G_u.isZero(0.0))
     value.on_z.middleCols(horizon.blocks.of_stage[static_cast<std::size_t>(stage)] * nu, nu) += G_u;
   return value;
@@ -220,8 +218,9 @@ void addConstraint(const StageConstraint& constraint, const Horizon& horizon, Ro
     const StageValue value = valueAt(stage, constraint, horizon);
     if (constraint.soft && (slack < 0 || !shared)) slack = addSlack(constraint, numbers, program);
     for (const double sign : {1.0, -1.0}) {
-      const int row = rows->add({value.on_z * DoubleDouble(sign), value.on_theta * DoubleDouble(-sign), boundOf(constraint.signal, sign),
-                                 rowName(constraint.signal.name, sign, stage), slack});
+      const int row =
+          rows->add({value.on_z * DoubleDouble(sign), value.on_theta * DoubleDouble(-sign),
+                     boundOf(constraint.signal, sign), rowName(constraint.signal.name, sign, stage), slack});
       if (slack >= 0 && row >= 0) program->slacks[static_cast<std::size_t>(slack)].rows.push_back(row);
     }
   }
@@ -235,8 +234,8 @@ void addFloors(const StageConstraint& constraint, const WideProgram& numbers, Ro
   for (std::size_t i = 0; i < program->slacks.size(); ++i) {
     SlackVariable& slack = program->slacks[i];
     if (slack.name != constraint.signal.name) continue;
-    slack.floor = rows->add({zeroRow(n), zeroRow(numbers.F.cols()), 0.0,
-                             slack.name + " within its bounds", static_cast<int>(i)});
+    slack.floor = rows->add(
+        {zeroRow(n), zeroRow(numbers.F.cols()), 0.0, slack.name + " within its bounds", static_cast<int>(i)});
   }
 }
 
@@ -252,7 +251,8 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
   const Horizon horizon{prediction, selectors, blocksOf(problem)};
   for (const StageConstraint& constraint : problem.constraints)
     addConstraint(constraint, horizon, &rows, numbers, program);
-  for (const StageConstraint& constraint : problem.constraints) addFloors(constraint, *numbers, &rows, program);
+  for (const StageConstraint& constraint : problem.constraints)
+    addFloors(constraint, *numbers, &rows, program);
   rows.store(numbers, program, n, static_cast<Eigen::Index>(problem.parameters.size()));
 }
 

@@ -18,12 +18,8 @@ WideMatrix joined(const Eigen::MatrixXd& M, const Eigen::VectorXd& v) {
 }  // namespace
 
 AffineProgram affineProgram(const ParametricProgram& program) {
-  return {wide(program.H),
-          joined(program.F, program.f),
-          wide(program.A),
-          joined(program.S, program.b),
-          wide(program.E),
-          joined(program.C, program.c)};
+  return {wide(program.H), joined(program.F, program.f), wide(program.A), joined(program.S, program.b),
+          wide(program.E), joined(program.C, program.c)};
 }
 
 std::optional<WideMatrix> choleskyRoot(const WideMatrix& H) {
@@ -46,7 +42,8 @@ std::optional<IdentityForm> identityForm(const AffineProgram& program) {
   form.root = *root;
   const auto L = form.root.triangularView<Eigen::Lower>();
   for (Eigen::Index i = 0; i < program.H.rows(); ++i)
-    form.root_condition = std::max(form.root_condition, std::sqrt(program.H(i, i).high) / form.root(i, i).high);
+    form.root_condition =
+        std::max(form.root_condition, std::sqrt(program.H(i, i).high) / form.root(i, i).high);
   const WideMatrix free = -L.solve(program.cost);
   form.rows = L.solve(program.A.transpose()).transpose();
   form.slack = program.bound - form.rows * free;

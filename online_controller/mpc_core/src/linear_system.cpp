@@ -1,9 +1,10 @@
+#include "linear_system.hpp"
+
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <string>
 
-#include "linear_system.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -120,7 +121,8 @@ WideModel wideModel(const MpcProblem& problem, double period) {
   const Eigen::Index nu = problem.B_c.cols();
   const WideMatrix map = exponential<WideMatrix>(wide(augmentedModel(problem)) * DoubleDouble(period));
   if (!rounded(map).allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
-  return {map.topLeftCorner(nx, nx), map.block(0, nx, nx, nu), map.block(0, nx + nu, nx, problem.Bd_c.cols())};
+  return {map.topLeftCorner(nx, nx), map.block(0, nx, nx, nu),
+          map.block(0, nx + nu, nx, problem.Bd_c.cols())};
 }
 
 DiscreteModel discretise(const MpcProblem& problem, double period) {

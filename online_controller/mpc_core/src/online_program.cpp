@@ -49,7 +49,8 @@ OnlineProgram::OnlineProgram(ParametricProgram program)
     : program_(std::move(program)),
       transformed_(transform(program_)),
       qp_(program_.variableCount(), transformed_ ? program_.rowCount() : generalRows(program_)) {
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(program_.variableCount(), program_.variableCount());
+  const Eigen::MatrixXd identity =
+      Eigen::MatrixXd::Identity(program_.variableCount(), program_.variableCount());
   if (!qp_.setConstantHessian((transformed_ ? identity : program_.H).data()))
     throw Error(program_.name + ": H: must be positive definite to be solved online");
   is_equality_.assign(static_cast<std::size_t>(program_.rowCount()), 0);
@@ -123,7 +124,8 @@ QpStatus OnlineProgram::solveTransformed(const double* more) noexcept {
   upper_.setConstant(kNoBound);
   g_.setZero();
   if (more != nullptr)
-    g_.noalias() += transformed_->inverse_root * Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
+    g_.noalias() +=
+        transformed_->inverse_root * Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
   const QpStatus status =
       qp_.solve({g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()},
                 warm_ ? qp_.activeSet() : nullptr);

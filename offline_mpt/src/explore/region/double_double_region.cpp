@@ -122,7 +122,8 @@ void DoubleDoubleRegionSolver::law(std::vector<double>& out) const {
   for (Eigen::Index r = 0; r < form_->law.rows(); ++r) {
     for (std::size_t j = 0; j < width_; ++j) value[j] = form_->law(r, static_cast<Eigen::Index>(j));
     for (std::size_t i = 0; i < n_; ++i)
-      addMultiple(-form_->output(r, static_cast<Eigen::Index>(i)), point_.data() + i * width_, width_, value.data());
+      addMultiple(-form_->output(r, static_cast<Eigen::Index>(i)), point_.data() + i * width_, width_,
+                  value.data());
     for (const DoubleDouble& number : value) out.push_back(number.high);
   }
 }
