@@ -19,9 +19,8 @@ void addRemoved(CLI::App& app) {
   for (const RemovedCommand& removed : kRemoved) {
     CLI::App* command = app.add_subcommand(removed.name, "")->group("");
     command->allow_extras()->prefix_command();
-    command->callback([removed] {
-      throw polyfly::Error(std::string(removed.name) + ": was removed; " + removed.instead);
-    });
+    command->callback(
+        [removed] { throw polyfly::Error(std::string(removed.name) + ": was removed; " + removed.instead); });
   }
 }
 

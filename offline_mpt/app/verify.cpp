@@ -20,7 +20,7 @@ namespace {
 const char kVerifyFooter[] =
     R"(Half of the samples are uniform in the parameters' box. The others lie on and next to faces of random
 regions, where faces meet, and at the centres of regions. An interior-point method solves each sample; it
-shares no code with the solver. With H singular the minimiser may not be unique. Then the command compares
+shares no code with the solver. With H = 0 the minimiser may not be unique. Then the command compares
 the best objective that the map's input admits, and the report says so. The report depends only on the
 map, the problem, --samples and --seed.
 
@@ -136,7 +136,7 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--tolerance", options->verify.tolerance,
-                   "Greatest error of the input, relative to max(1, |u|).")
+                   "Greatest error of the input, as a share of its range.")
       ->check(numberAbove(0.0))
       ->capture_default_str();
   command

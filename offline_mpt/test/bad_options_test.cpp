@@ -37,7 +37,6 @@ class BadOptions : public testing::Test {
 TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
   int seen = 0;
   for (const Words& command : std::vector<Words>{{"solve"},
-                                                 {"count"},
                                                  {"verify"},
                                                  {"reduce"},
                                                  {"diff"},

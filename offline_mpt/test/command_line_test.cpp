@@ -309,17 +309,22 @@ TEST_F(CommandLine, RefusesBadProblems) {
   problem = toy();
   problem["H"] = {{-1.0}};
   expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json: ", "H: must be"});
-  expectRefused({"count", path("concave.json")}, {"concave.json: ", "H: must be"});
+  problem["H"] = {{1.0, 1.0}, {1.0, 1.0}};
+  problem["f"] = {0.0, 0.0};
+  problem["F"] = {{1.0, 0.0}, {0.0, 1.0}};
+  problem["A"] = {{1.0, 0.0}, {-1.0, 0.0}};
+  expectRefused({"solve", written("singular.json", problem), "-o", map},
+                {"singular.json: ", "H: is singular, and not zero"});
+  // A removed command says what to use.
+  expectRefused({"count", path("concave.json"), "--map-limit", "24G"},
+                {"count: was removed; ", "--region-limit"});
   problem = toy();
   problem["A"] = {{1.0}, {-1.0}, {1.0}, {1.0}};
   problem["b"] = {1.0, 1.0, 0.0, 1e-9};
   problem["B"] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
   problem["eq_ids"] = {2, 3};
-  for (const char* command : {"solve", "count"}) {
-    std::vector<std::string> words{command, written("equalities.json", problem)};
-    if (words.front() == "solve") words.insert(words.end(), {"-o", map});
-    expectRefused(words, {"equalities.json: eq_ids: row 3 depends on other equalities"});
-  }
+  expectRefused({"solve", written("equalities.json", problem), "-o", map},
+                {"equalities.json: eq_ids: row 3 depends on other equalities"});
 }
 
 // min (t + 0.5) z over z >= -1, t in [-2, 2]: without end where t < -0.5.

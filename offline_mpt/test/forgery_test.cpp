@@ -133,12 +133,18 @@ TEST(Forgery, TheRoundingOfALawCounts) {
 
 // Read before the basis is judged.
 TEST_F(Mutation, ABasisOfRowsThatAreNotThereIsRefused) {
-  std::string counts = "convexity singular 0x1p+0";
-  for (int i = 0; i < 9; ++i)
-    counts += "\ncounts H " + std::to_string(i / 3) + " " + std::to_string(i % 3) + " 0";
-  std::string forged = withLine(certificate_, "convexity", counts);
-  forged = withLine(forged, "basis", "basis 1 99999999");
+  const std::string forged = withLine(certificate_, "basis", "basis 1 99999999");
   EXPECT_NE(refusal(sealed(forged, map_), map_), "");
+}
+
+// A positive definite H would count as singular, and its numbers as others.
+TEST_F(Mutation, LinesThatMakeHSingularAreRefused) {
+  EXPECT_NE(refusal(sealed(withLine(certificate_, "convexity", "convexity singular 0x0p+0"), map_), map_),
+            "");
+  const std::string counts = withLine(certificate_, "coverage", "coverage exact\ncounts H 0 0 1");
+  EXPECT_NE(refusal(sealed(counts, map_), map_), "");
+  const std::string bound = withLine(certificate_, "coverage", "coverage exact\ncounts b 0 0 1");
+  EXPECT_NE(refusal(sealed(bound, map_), map_), "");
 }
 
 }  // namespace

@@ -67,8 +67,7 @@ TEST_F(OutputCommand, KeepsItsInputsUnderAnyNameAndItsOutputsApart) {
            {"solve", problem_, "-o", path("link.map")},
            {"solve", problem_, "-o", path("new.map"), "--stats", path("here/new.map")},
            {"solve", problem_, "-o", path("new.map"), "--stats", path("new.map.checkpoint")},
-           {"count", problem_, "--proof", path("hard.json")},
-           {"count", problem_, "--proof", path("new"), "--stats", path("here/new")},
+           {"solve", problem_, "-o", path("new.map"), "--stats", path("hard.json")},
            {"reduce", map_, "-o", path("new.map"), "--stats", path("new"), "--certificate", path("./new")},
            {"verify", map_, "--exact", "--certificate", path("new"), "--json", path("./new")},
            {"verify", map_, "--reduced-from", map_, "--certificate", path("new"), "--json", path("./new")},
@@ -88,7 +87,6 @@ TEST_F(OutputCommand, KeepsTheFilesThatAProblemCites) {
   writeBytes(path("flight.yaml"), "kind: disturbance\n");
   for (const std::string name : {"tracking.yaml", "robust.yaml"}) {
     expectRefused({"solve", path(name), "-o", path("flight.yaml")}, "name of its own");
-    expectRefused({"count", path(name), "--stats", path("flight.yaml")}, "name of its own");
     expectRefused({"verify", map_, "--problem", path(name), "--json", path("flight.yaml")},
                   "name of its own");
     expectRefused({"bounds", path(name), path("thetas.csv"), "--json", path("flight.yaml")},
@@ -98,8 +96,8 @@ TEST_F(OutputCommand, KeepsTheFilesThatAProblemCites) {
                 "name of its own");
 }
 
-// A map is read back; a checkpoint and the proof of a count are written in any order.
-TEST_F(OutputCommand, NeedsAFileForMapsAndProofs) {
+// A map is read back; a checkpoint is written in any order.
+TEST_F(OutputCommand, NeedsAFileForMapsAndCheckpoints) {
   const std::string fifo = path("fifo"), device = path("device");
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
   fs::create_symlink("/dev/full", device);
@@ -108,7 +106,6 @@ TEST_F(OutputCommand, NeedsAFileForMapsAndProofs) {
     expectRefused({"solve", problem_, "-o", place}, place + ": must be a file");
     expectRefused({"reduce", map_, "-o", place}, place + ": must be a file");
     expectRefused({"verify", map_, "--exact", "--repair", "-o", place}, place + ": must be a file");
-    expectRefused({"count", problem_, "--proof", place}, place + ": must be a file");
   }
   expectRefused({"solve", problem_, "-o", path("new.map"), "--force"}, "new.map.checkpoint: must be a file");
   EXPECT_TRUE(fs::is_fifo(fifo));
@@ -122,7 +119,6 @@ TEST_F(OutputCommand, WritesTextsIntoAFifo) {
   ASSERT_GE(reader, 0);
   for (const Words& arguments :
        std::vector<Words>{{"solve", problem_, "-o", path("other.map"), "--stats", fifo},
-                          {"count", problem_, "--stats", fifo},
                           {"reduce", map_, "-o", path("small.map"), "--stats", fifo},
                           {"reduce", map_, "-o", path("small.map"), "--certificate", fifo},
                           {"verify", map_, "--samples", "10", "--json", fifo},

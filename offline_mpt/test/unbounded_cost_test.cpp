@@ -17,8 +17,6 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFalls = 1e-7;
-
 enum class Family {
   /// H = 0, and the cost depends on theta: all kinds.
   kLinear,
@@ -28,10 +26,6 @@ enum class Family {
   kTilted,
   /// As kTilted, but that part of the box has no solution, so the partition is complete.
   kOutsideAnyway,
-  /// H is singular, with random rows.
-  kSingular,
-  /// H is singular, with one open direction along which the cost falls in a part of the box.
-  kSingularTilted,
   /// H = 0, with an equality.
   kEqualities,
   kCount
@@ -71,18 +65,6 @@ ParametricProgram makeProgram(Family family, unsigned seed) {
       appendRow(program, Eigen::VectorXd::Unit(n, 1), -0.6, first);  // theta_0 >= -0.4: above the tilt's edge
       break;
     }
-    case Family::kSingular: {
-      const Eigen::MatrixXd root = random.matrix(1 + random.below(n - 1), n);
-      program.H = root.transpose() * root;
-      break;
-    }
-    case Family::kSingularTilted: {
-      tilt(program, offset);
-      Eigen::MatrixXd root = random.matrix(1, n);
-      root(0, 0) = 0.0;
-      program.H = root.transpose() * root;
-      break;
-    }
     case Family::kEqualities:
       program.equalities = {m};
       appendRow(program, random.matrix(n, 1), 0.1, 0.1 * random.matrix(p, 1));
@@ -94,22 +76,11 @@ ParametricProgram makeProgram(Family family, unsigned seed) {
   return program;
 }
 
-/// GLP_OPT, GLP_NOFEAS or GLP_UNBND. With H, along directions that H leaves free.
+/// GLP_OPT, GLP_NOFEAS or GLP_UNBND.
 int glpkStatus(const ParametricProgram& program, const Eigen::VectorXd& theta) {
-  const Eigen::VectorXd cost = program.f + program.F * theta, bound = program.b + program.S * theta;
-  if (program.H.isZero(0.0)) return solveByGlpk(cost, program.A, bound, program.equalities).status;
-  const int n = program.variableCount(), m = program.rowCount();
-  const LpAnswer feasible = solveByGlpk(Eigen::VectorXd::Zero(n), program.A, bound, program.equalities);
-  if (feasible.status != GLP_OPT) return feasible.status;
-  Eigen::MatrixXd rows(m + 3 * n, n);
-  rows << program.A, program.H, Eigen::MatrixXd::Identity(n, n), -Eigen::MatrixXd::Identity(n, n);
-  Eigen::VectorXd bounds = Eigen::VectorXd::Zero(m + 3 * n);
-  bounds.tail(2 * n).setOnes();
-  std::vector<int> fixed = program.equalities;
-  for (int i = 0; i < n; ++i) fixed.push_back(m + i);
-  const LpAnswer direction = solveByGlpk(cost, rows, bounds, fixed);
-  EXPECT_EQ(direction.status, GLP_OPT) << program.name;
-  return direction.objective < -kFalls ? GLP_UNBND : GLP_OPT;
+  return solveByGlpk(program.f + program.F * theta, program.A, program.b + program.S * theta,
+                     program.equalities)
+      .status;
 }
 
 struct Seen {

@@ -11,10 +11,12 @@ namespace checker {
 namespace {
 
 // How lines of extensions begin.
-const char* const kOfExtensions[] = {"dropped ",     "relaxed ",         "implied ",   "counts ",
-                                     "left_out ",    "dropped_follows ", "tolerated ", "tolerated_follows ",
-                                     "convexity l",  "convexity s",      "coverage w", "sliver_region ",
-                                     "sliver_cover "};
+const char* const kOfExtensions[] = {
+    "dropped ",   "relaxed ",           "implied ",    "weights ",   "left_out ",      "dropped_follows ",
+    "tolerated ", "tolerated_follows ", "convexity l", "coverage w", "sliver_region ", "sliver_cover "};
+
+// 2^kGreatestWeight is the greatest weight of a variable. Doubles span no more.
+constexpr std::size_t kGreatestWeight = 8192;
 
 }  // namespace
 
@@ -44,12 +46,13 @@ bool ExtendedCertificate::readFurther(const std::string& key, Line& line) {
     for (std::size_t k = line.count(kMany); k > 0; --k) rows.insert(line.count(kMany));
     return true;
   }
-  if (key == "implied") {
-    implied_.push_back(readWeights(line));
+  if (key == "weights") {
+    require(weights_.empty(), "weights is given twice");
+    for (std::size_t k = line.count(kMany); k > 0; --k) weights_.push_back(line.count(kGreatestWeight));
     return true;
   }
-  if (key == "counts") {
-    readCounts(line);
+  if (key == "implied") {
+    implied_.push_back(readWeights(line));
     return true;
   }
   if (key == "sliver_region") {
@@ -71,14 +74,6 @@ bool ExtendedCertificate::readFurther(const std::string& key, Line& line) {
     readFollows(key, line);
   }
   return true;
-}
-
-void ExtendedCertificate::readCounts(Line& line) {
-  Counts& counts = counts_.emplace_back();
-  counts.name = line.word();
-  counts.row = line.count(kMany);
-  counts.column = line.count(kMany);
-  counts.value = line.fraction();
 }
 
 ProvenRegion ExtendedCertificate::checkRegion(std::size_t index, const Region& region) const {
@@ -107,8 +102,7 @@ void ExtendedCertificate::checkLookups(const std::vector<ProvenRegion>& regions)
 }
 
 void ExtendedCertificate::requireKinds(const std::string& convexity, const std::string& coverage) const {
-  require(convexity == "definite" || convexity == "linear" || convexity == "singular",
-          "convexity: " + convexity);
+  require(convexity == "definite" || convexity == "linear", "convexity: " + convexity);
   require(coverage == "exact" || coverage == "widened", "coverage: " + coverage);
 }
 
@@ -130,13 +124,6 @@ std::string ExtendedCertificate::conditions() const {
   for (const FurtherClaim& claim : further_) tolerated += claim.tolerated.size();
   add(tolerated, "rows hold in a region within 2^-40 of their size only");
   if (isLinear()) text += "linear program: of several optima the shortest\n";
-  if (isSingular()) text += "H is singular: of several optima the shortest\n";
-  const auto is_bound = [](const Counts& counts) { return counts.name == "b"; };
-  const auto bounds = static_cast<std::size_t>(std::count_if(counts_.begin(), counts_.end(), is_bound));
-  add(bounds,
-      "bounds of rows that count as equalities differ by at most 2^-29 of the sum of the row's entries");
-  add(counts_.size() - bounds,
-      "entries count as others that differ by at most 2^-30 of the greatest of their matrix or row");
   add(relaxed_.size(), "rows have bounds that are greater by 2^-40 of their size");
   const auto is_equality = [this](std::size_t row) { return equalities_.count(row) > 0; };
   const auto near = static_cast<std::size_t>(std::count_if(dropped_.begin(), dropped_.end(), is_equality));

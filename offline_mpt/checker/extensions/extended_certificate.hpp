@@ -11,7 +11,7 @@ namespace checker {
 /// Whether a line, by its first words, belongs to an extension.
 bool isOfExtension(const std::string& line);
 
-/// Certificates of programs that are degenerate or not strictly convex, of maps that leave slivers to their neighbours,
+/// Certificates of programs that are degenerate or linear, of maps that leave slivers to their neighbours,
 /// and of widened coverage (offline_mpt/CERTIFICATE.md). Everything throws Refused.
 class ExtendedCertificate : public Certificate {
  public:
@@ -37,37 +37,24 @@ class ExtendedCertificate : public Certificate {
     /// Origins of rows that hold up to rounding only.
     std::set<std::string> tolerated;
   };
-  /// An entry of the program that counts as another number.
-  struct Counts {
-    std::string name;
-    std::size_t row = 0, column = 0;
-    Fraction value;
-  };
-
   bool isLinear() const { return convexity() == "linear"; }
-  bool isSingular() const { return convexity() == "singular"; }
   bool isWidened() const { return coverage() == "widened"; }
 
   // extended_certificate.cpp
-  void readCounts(Line& line);
   void requireCount(std::size_t claims) const override;
 
   // degenerate_program.cpp
   void finish() override;
   const Matrices& originalData() const override { return original_; }
   std::set<std::size_t> equalityRows() const;
-  bool provesAllRows() const override { return dropped_.empty() && relaxed_.empty() && counts_.empty(); }
+  bool provesAllRows() const override { return dropped_.empty() && relaxed_.empty(); }
   bool isLeftOut(std::size_t row) const override { return dropped_.count(row) > 0; }
-  void replaceEntries();
-  void replaceHessian();
-  void requireRounding(const Counts& counts, const Matrices& before) const;
   void relaxBounds();
   void addSlack(std::size_t i, const Slack& slack, Region& region) const override;
 
-  // singular_hessian.cpp
+  // linear_program.cpp
   Optimum optimum(const std::vector<std::size_t>& rows) const override;
   std::vector<Row> linearSystem(const std::vector<std::size_t>& rows) const;
-  std::vector<Row> limitSystem(const std::vector<std::size_t>& rows) const;
 
   // slivers.cpp
   bool isSliver(std::size_t index) const { return index >= map().regions.size(); }
@@ -84,8 +71,9 @@ class ExtendedCertificate : public Certificate {
 
   Matrices original_;
   std::set<std::size_t> dropped_, relaxed_;
+  /// Of |z|^2, as binary logarithms. None: they are all the same.
+  std::vector<std::size_t> weights_;
   std::vector<Weights> implied_;
-  std::vector<Counts> counts_;
   /// By region, as far as there are lines.
   std::vector<FurtherClaim> further_;
 };

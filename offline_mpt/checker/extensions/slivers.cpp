@@ -94,7 +94,6 @@ FacetBehind ExtendedCertificate::checkFacet(std::size_t index, const Region& reg
                                             std::size_t facet) const {
   Line line(claims_[index].facet_proofs[facet]);
   const std::string kind = line.word();
-  require(!isSingular() || kind != "next", "a facet of a singular program has no single neighbour");
   if (!isWidened() || kind == "domain" || kind == "edge")
     return Certificate::checkFacet(index, region, facet);
   FacetBehind behind;

@@ -18,7 +18,7 @@ namespace {
 constexpr char kUsage[] =
     R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE] [--time-limit SECONDS]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
-discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
+discretised and condensed: each row within 1e-12 of its greatest entry, and each input within 1e-6 of its range. What the map answers for that program,
 check_certificate confirms. Of a YAML file of type robust_mpc, the model and all rows of the certificate are those of
 the file, and its invariant set is one. Of type safety_filter, the safe set is one, and answers in it keep the state
 there. Of a program in JSON, each number is compared. Names, units and ranges of the map's parameters and inputs, and
@@ -34,11 +34,13 @@ void confirmTracking(const checker::Certificate& certificate, const std::string&
                    "a tracking problem has no equalities");
   const checker::TrackingProblem problem = checker::readTrackingProblem(text);
   const checker::ExpectedProgram expected = checker::expectedProgram(problem);
-  const mpq_class difference = checker::matchProgram(certificate.program(), problem, expected, kTolerance);
+  const checker::ProgramMatch match =
+      checker::matchProgram(certificate.program(), problem, expected, kTolerance);
   std::printf(
       "confirmed: the program is that of the problem, within %.3g of the greatest entry of each row\n"
+      "what that may change in an input: at most %.3g of its range\n"
       "the Riccati equation of the terminal weight holds within %.3g\n",
-      difference.get_d(), expected.riccati_residual.get_d());
+      match.difference.get_d(), match.effect.get_d(), expected.riccati_residual.get_d());
 }
 
 void confirmRobust(const checker::RobustCertificate& certificate, const std::string& text) {

@@ -6,6 +6,8 @@
 namespace checker {
 namespace {
 
+const Fraction kGreatestEffect(1, 1000000);
+
 /// Parts of a row, each from a matrix of its own: actual entries and expected ones.
 struct Part {
   Vector actual;
@@ -29,7 +31,8 @@ Fraction difference(const std::vector<Part>& parts) {
 
 class Match {
  public:
-  Match(const Matrices& program, const Fraction& tolerance) : program_(program), tolerance_(tolerance) {}
+  Match(const Matrices& program, const Fraction& tolerance, RoundingEffect* effect)
+      : program_(program), tolerance_(tolerance), effect_(effect) {}
 
   /// `names` are matrices side by side: parts of each row, or `together` one part.
   void matrix(const std::vector<std::string>& names, const BallMatrix& expected, bool together = false) {
@@ -73,6 +76,7 @@ class Match {
       const auto at = std::find_if(open.begin(), open.end(), is_it);
       require(at != open.end(), "row " + std::to_string(k) + " of the problem is none of the program");
       greatest_ = std::max(greatest_, found);
+      if (effect_ != nullptr) addEffect(*at);
       open.erase(at);
     }
   }
@@ -85,6 +89,16 @@ class Match {
     std::snprintf(share, sizeof share, "%.3g", found.get_d());
     require(found <= tolerance_, what + " differs from the problem by " + share + " of its greatest entry");
     greatest_ = std::max(greatest_, found);
+  }
+
+  void addEffect(const std::vector<Part>& row) {
+    std::vector<Vector> distances;
+    for (const Part& part : row) {
+      distances.emplace_back();
+      for (std::size_t j = 0; j < part.actual.size(); ++j)
+        distances.back().push_back(part.expected[j].distance(part.actual[j]));
+    }
+    effect_->addRow(row[0].actual, distances[0], distances[1], distances[2][0]);
   }
 
   Vector rowOf(const std::string& name, std::size_t i, int sign) const {
@@ -107,19 +121,20 @@ class Match {
 
   const Matrices& program_;
   const Fraction tolerance_;
+  RoundingEffect* const effect_;
   Fraction greatest_;
 };
 
 }  // namespace
 
-mpq_class matchProgram(const Matrices& program, const std::vector<std::pair<double, double>>& ranges,
-                       const ExpectedProgram& expected, const mpq_class& tolerance) {
+mpq_class matchProgram(const Matrices& program, const Ranges& ranges, const ExpectedProgram& expected,
+                       const mpq_class& tolerance, RoundingEffect* effect) {
   const std::size_t n = expected.H.rows(), q = expected.C.rows();
   requireSizes(program, n, program.at("A").rows, ranges.size(), q);
   for (std::size_t j = 0; j < ranges.size(); ++j)
     require(program.at("box").at(j, 0) == ranges[j].first && program.at("box").at(j, 1) == ranges[j].second,
             "the range of parameter " + std::to_string(j) + " is not that of the problem");
-  Match match(program, tolerance);
+  Match match(program, tolerance, effect);
   match.matrix({"H"}, expected.H);
   match.matrix({"F", "f"}, expected.F);
   match.rows(expected.rows);
@@ -131,12 +146,23 @@ mpq_class matchProgram(const Matrices& program, const std::vector<std::pair<doub
   return match.greatest();
 }
 
-mpq_class matchProgram(const Matrices& program, const TrackingProblem& problem,
-                       const ExpectedProgram& expected, const mpq_class& tolerance) {
-  std::vector<std::pair<double, double>> ranges;
+ProgramMatch matchProgram(const Matrices& program, const TrackingProblem& problem,
+                          const ExpectedProgram& expected, const mpq_class& tolerance) {
+  Ranges ranges, inputs;
   for (const TrackingProblem::Parameter& parameter : problem.parameters)
     if (!parameter.fixed) ranges.emplace_back(parameter.range.lower, parameter.range.upper);
-  return matchProgram(program, ranges, expected, tolerance);
+  for (const TrackingProblem::Range& input : problem.inputs) inputs.emplace_back(input.lower, input.upper);
+  requireSizes(program, expected.H.rows(), program.at("A").rows, ranges.size(), expected.C.rows());
+  RoundingEffect effect(program, ranges, inputs);
+  ProgramMatch match;
+  match.difference = matchProgram(program, ranges, expected, tolerance, &effect);
+  effect.addCost(expected);
+  match.effect = effect.ofInputs(expected.C);
+  char share[32];
+  std::snprintf(share, sizeof share, "%.3g", match.effect.get_d());
+  require(match.effect <= kGreatestEffect,
+          std::string("rounding of the program may change an input by ") + share + " of its range");
+  return match;
 }
 
 }  // namespace checker

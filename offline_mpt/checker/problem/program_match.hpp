@@ -5,14 +5,24 @@
 
 #include "core/program.hpp"
 #include "problem/optimal_control.hpp"
+#include "problem/rounding_effect.hpp"
 
 namespace checker {
 
-/// Shows that the program of a certificate is the expected one, and that its parameters have these ranges. Returns the greatest difference that was found, relative
-/// to the greatest entry of its row. Throws Refused where it is more than `tolerance`.
-mpq_class matchProgram(const Matrices& program, const std::vector<std::pair<double, double>>& ranges,
-                       const ExpectedProgram& expected, const mpq_class& tolerance);
-mpq_class matchProgram(const Matrices& program, const TrackingProblem& problem,
-                       const ExpectedProgram& expected, const mpq_class& tolerance);
+/// How far the program of a certificate is from the expected one.
+struct ProgramMatch {
+  /// Greatest difference of a number, relative to the greatest entry of its row.
+  mpq_class difference;
+  /// What the differences may change in an input, as a share of its range.
+  mpq_class effect;
+};
+
+/// Shows that the program of a certificate is the expected one, and that its parameters have these ranges: each number
+/// within `tolerance` of the greatest entry of its row. Throws Refused.
+mpq_class matchProgram(const Matrices& program, const Ranges& ranges, const ExpectedProgram& expected,
+                       const mpq_class& tolerance, RoundingEffect* effect = nullptr);
+/// The same, and that the differences change no input by more than a millionth of its range.
+ProgramMatch matchProgram(const Matrices& program, const TrackingProblem& problem,
+                          const ExpectedProgram& expected, const mpq_class& tolerance);
 
 }  // namespace checker

@@ -19,7 +19,7 @@ constexpr std::size_t kMostPredictions = 10000;
 
 bool RobustCertificate::readFurther(const std::string& key, Line& line) {
   if (readProgram(key, line)) return true;
-  require(key == kLeftOut, key + ": is no line of a robust certificate");
+  require(key == kLeftOut || key == "weights", key + ": is no line of a robust certificate");
   return ExtendedCertificate::readFurther(key, line);
 }
 

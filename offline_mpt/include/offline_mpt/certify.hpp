@@ -98,21 +98,11 @@ struct CertifyReport {
   double beyond_facet = 0.0;
   /// Greatest error of a plane.
   double plane_error = 0.0;  ///< [scaled]
-  /// H is singular and not zero. Of several optima, the shortest counts.
-  bool singular = false;
-  /// Entries of H, f, F and A. The proof replaces them by others that differ by rounding.
-  std::uint64_t replaced_entries = 0;
-  /// Greatest difference of a replaced entry, relative to the greatest entry of the matrix or row.
-  double greatest_replacement = 0.0;
   bool linear = false;
   /// With `widened`: rows that hold within 2^-40 of their size in some region.
   std::uint64_t forgiven_rows = 0;
   /// Coverage is that of the regions moved outwards by plane_tolerance.
   bool widened = false;
-  /// Implied equalities that two coinciding bounds prove.
-  std::vector<int> narrow_rows;
-  /// Greatest difference of a bound, relative to the sum of its row's |entries|.
-  double greatest_narrowing = 0.0;
   /// Inequalities that hold with equality wherever the program is feasible.
   std::vector<int> implied_equalities;
   /// Equalities that follow from others up to rounding. They are proven within 2^-40.

@@ -8,13 +8,12 @@ namespace polyfly {
 
 /// Partitions the parameter set of a convex program into critical regions.
 ///
-/// H positive definite: the law is unique and continuous. H counts as singular where the least eigenvalue is below
-/// 1e-8 of the eigenvalues' mean. Below 1e-12 of the greatest, an eigenvalue counts as zero. Then, of several optima,
-/// the shortest z is taken. It is unique and, where the cost does not depend on theta, continuous. Where such a
-/// program has solutions but its cost falls without end, the partition says so (kUnbounded, unbounded_at). Rows may
-/// repeat, depend on each other or hold with equality everywhere. Inequalities that differ by less than 1e-10,
-/// relative, count as one. Throws Error when H is indefinite, the parameter set is unbounded, or the parameters that
-/// admit a solution form a lower-dimensional set. Also when rounding would decide what an equality fixes. Then its
+/// H positive definite: the law is unique and continuous. H zero: of several optima, the shortest z is taken. It is
+/// unique and, where the cost does not depend on theta, continuous. Where such a program has solutions but its cost
+/// falls without end, the partition says so (kUnbounded, unbounded_at). Rows may repeat, depend on each other or hold
+/// with equality everywhere. Inequalities that differ by less than 1e-10, relative, count as one. Throws Error when H
+/// is neither zero nor positive definite where the equalities leave z free, decided exactly. It throws when the
+/// parameter set is unbounded, or the parameters that admit a solution form a lower-dimensional set. Also when rounding would decide what an equality fixes. Then its
 /// unit row is nearer to the span of the others than 1e-6, but not within rounding.
 ///
 /// Active sets are described in the order in which they are found, so the result depends neither on threads nor on

@@ -22,7 +22,7 @@ struct ExploreProgress {
   bool unsaved = false;
 };
 
-/// Default of ExploreOptions::radius_tolerance [scaled]. Counts and maps derive tolerances of their own from it.
+/// Default of ExploreOptions::radius_tolerance [scaled]. Maps derive tolerances of their own from it.
 constexpr double kDefaultRadiusTolerance = 1e-9;
 
 struct ExploreOptions {

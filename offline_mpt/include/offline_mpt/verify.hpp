@@ -16,7 +16,7 @@ struct VerifyOptions {
   std::uint64_t samples = 10'000;  ///< parameters to try
   std::uint64_t seed = 1;
   int threads = 1;          ///< 1..256; the report does not depend on it
-  double tolerance = 1e-7;  ///< greatest error of u, relative to max(1, |u|), or of the objective likewise
+  double tolerance = 1e-7;  ///< greatest VerifyReport::max_scaled_error
   /// A parameter nearer to the edge of the feasible set may go either way [scaled].
   double edge_tolerance = 1e-7;
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
@@ -63,9 +63,10 @@ struct VerifyReport {
   std::uint64_t infeasible = 0;
   /// Map and program differ, but within edge_tolerance of the feasible set's edge.
   std::uint64_t borderline = 0;
-  /// Greatest error of u [unit of u] or of the objective.
+  /// Greatest error of u [unit of u] or of the scaled objective.
   double max_error = 0.0;
-  /// Greatest error, divided by max(1, |u|) or max(1, |objective|).
+  /// Greatest error as a share of the input's range (without one, of the greatest |u| of samples), or divided by
+  /// max(1, |objective|) in units in which the program's numbers are of order one.
   double max_scaled_error = 0.0;
   Eigen::VectorXd max_error_theta;
 

@@ -27,7 +27,8 @@ void bindVerifyReport(py::module_& module) {
       .def_readonly("compared", &VerifyReport::compared)
       .def_readonly("infeasible", &VerifyReport::infeasible, "Samples at which the program has no solution.")
       .def_readonly("max_error", &VerifyReport::max_error, "Greatest error of u or of the objective.")
-      .def_readonly("max_scaled_error", &VerifyReport::max_scaled_error, "The same, divided by max(1, |u|).")
+      .def_readonly("max_scaled_error", &VerifyReport::max_scaled_error,
+                    "The same, as a share of the input's range.")
       .def_property_readonly("json", &verifyJson, "The report as JSON.")
       .def("__str__", &verifyText)
       .def("__bool__", &VerifyReport::passed);

@@ -28,14 +28,13 @@ struct Elimination {
   std::vector<int> columns_left;  // not yet eliminated, right-hand sides included
 };
 
-// The entry of fewest bits among the columns before `limit`: with bounds among the constraints most pivots
-// are 1, and numbers stay small.
-bool choosePivot(const IntegerMatrix& system, const Elimination& state, int limit, int& row, int& column) {
+// The entry of M of fewest bits: with bounds among the constraints most pivots are 1, and numbers stay small.
+bool choosePivot(const IntegerMatrix& system, const Elimination& state, int& row, int& column) {
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
   for (int i = 0; i < state.size; ++i) {
     if (state.row_used[i]) continue;
     for (const int j : state.columns_left) {
-      if (j >= limit || system(i, j) == 0) continue;
+      if (j >= state.size || system(i, j) == 0) continue;
       const std::size_t bits = mpz_sizeinbase(system(i, j).get_mpz_t(), 2);
       if (bits >= fewest) continue;
       fewest = bits;
@@ -49,18 +48,11 @@ bool choosePivot(const IntegerMatrix& system, const Elimination& state, int limi
 }  // namespace
 
 bool solveExactly(IntegerMatrix& system, Integer& determinant) {
-  return solveExactly(system, system.rows(), determinant) == ExactSolve::kSolved;
-}
-
-ExactSolve solveExactly(IntegerMatrix& system, int required, Integer& determinant) {
   Elimination state(system);
   Integer previous(1), work, pivot, factor;
   for (int step = 0; step < state.size; ++step) {
     int row = 0, column = 0;
-    if (!choosePivot(system, state, step < required ? required : state.size, row, column)) {
-      if (step < required) return ExactSolve::kDependent;
-      break;
-    }
+    if (!choosePivot(system, state, row, column)) return false;
     state.row_used[row] = 1;
     state.row_of[column] = row;
     state.columns_left.erase(std::find(state.columns_left.begin(), state.columns_left.end(), column));
@@ -76,15 +68,9 @@ ExactSolve solveExactly(IntegerMatrix& system, int required, Integer& determinan
     }
     previous = pivot;
   }
-  for (int i = 0; i < state.size; ++i) {
-    for (int j = state.size; j < system.columns() && !state.row_used[i]; ++j) {
-      if (system(i, j) != 0) return ExactSolve::kInconsistent;
-    }
-  }
   // Rows now read previous * x = right-hand side, in the order of the pivots.
   IntegerMatrix solution(state.size, system.columns());
   for (int column = 0; column < state.size; ++column) {
-    if (state.row_of[column] < 0) continue;
     for (int j = state.size; j < system.columns(); ++j) {
       Integer& value = system(state.row_of[column], j);
       if (previous < 0) value = -value;
@@ -93,7 +79,7 @@ ExactSolve solveExactly(IntegerMatrix& system, int required, Integer& determinan
   }
   system = std::move(solution);
   determinant = abs(previous);
-  return ExactSolve::kSolved;
+  return true;
 }
 
 bool positiveSemidefinite(IntegerMatrix matrix) {

@@ -37,12 +37,6 @@ class IntegerMatrix {
 /// undefined.
 bool solveExactly(IntegerMatrix& system, Integer& determinant);
 
-enum class ExactSolve { kSolved, kDependent, kInconsistent };
-
-/// The same for a square M that may be singular: unknowns from `required` on are zero where the equations
-/// leave them free. kDependent: those before are not unique; kInconsistent: there is no solution.
-ExactSolve solveExactly(IntegerMatrix& system, int required, Integer& determinant);
-
 /// Whether a symmetric matrix has no negative eigenvalue.
 bool positiveSemidefinite(IntegerMatrix matrix);
 

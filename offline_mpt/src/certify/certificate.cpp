@@ -11,17 +11,6 @@
 #include "support/certificate_text.hpp"
 
 namespace polyfly {
-namespace {
-
-void appendReplaced(const ReplacedEntry& entry, std::string& text) {
-  static const char* const kNames[] = {"H", "F", "f", "A"};
-  text += std::string("counts ") + kNames[static_cast<std::size_t>(entry.matrix)] + " " +
-          std::to_string(entry.row) + " " + std::to_string(entry.column) + " " + entry.value.get_str(16) +
-          "\n";
-}
-
-}  // namespace
-
 std::string mapLine(const char* name, const RegionMap& map) {
   return std::string(name) + " " + hex(map.checksum()) + " " + std::to_string(map.bytes()) + "\n";
 }
@@ -48,14 +37,10 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
   }
   if (!adjustment.dropped.empty()) appendList("dropped", adjustment.dropped, text);
   if (!adjustment.relaxed.empty()) appendList("relaxed", adjustment.relaxed, text);
-  const char* const convexity = adjustment.singular     ? "singular"
-                                : program.H.isZero(0.0) ? "linear"
-                                                        : "definite";
+  if (!adjustment.weights.empty()) appendList("weights", adjustment.weights, text);
+  const char* const convexity = program.H.isZero(0.0) ? "linear" : "definite";
   text += std::string("convexity ") + convexity + " " + hex(adjustment.penalty) + "\n";
   text += std::string("coverage ") + (widened ? "widened" : "exact") + "\n";
-  for (const ReplacedEntry& entry : adjustment.replaced) appendReplaced(entry, text);
-  for (const auto& [row, value] : adjustment.bounds)
-    text += "counts b " + std::to_string(row) + " 0 " + value.get_str(16) + "\n";
   text += "regions " + std::to_string(map.regionCount()) + "\n";
   return text;
 }

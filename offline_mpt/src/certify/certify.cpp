@@ -133,14 +133,6 @@ void add(CertifyReport& report, const RegionCheck& check, const Closed& closed) 
 
 void describePerturbation(const ParametricProgram& source, const ExactProgram& program,
                           const ProgramPerturbation& adjustment, CertifyReport& report) {
-  report.singular = adjustment.singular;
-  report.replaced_entries = adjustment.replaced.size();
-  report.greatest_replacement = greatestReplacement(source, adjustment);
-  for (const auto& [row, value] : adjustment.bounds) {
-    const Rational difference = abs(value - Rational(source.b(row))) / rowSum(source, row);
-    report.narrow_rows.push_back(row);
-    report.greatest_narrowing = std::max(report.greatest_narrowing, difference.get_d());
-  }
   report.linear = program.linear;
   for (const int row : adjustment.dropped)
     (program.is_equality[static_cast<std::size_t>(row)] != 0 ? report.dropped_equalities
@@ -292,7 +284,7 @@ void finish(const CheckContext& context, const Statement& statement, std::vector
   }
   // What a map leaves out has laws and half-spaces that the bound does not know.
   const bool is_whole = report.slivers == 0 && report.left_out_rows == 0;
-  if (!report.linear && !report.singular && !report.widened && is_whole)
+  if (!report.linear && !report.widened && is_whole)
     report.beyond_facet =
         greatestDifferenceBeyondFacets(context, statedTolerances(checks, context.options).law);
   report.certificate = statement.head;

@@ -269,7 +269,7 @@ bool FacetCoverProof::liesBehind(const std::vector<int>& active, const std::vect
   return interior.exists;
 }
 
-// An active set that should be in the map: one row changes, or, where H is singular, one more in exchange.
+// An active set that should be in the map: one row changes, or, where H is zero, one more in exchange.
 void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins,
                                   const std::vector<Rational>& uncovered, Defect& defect) const {
   const ExactProgram& program = context_.program;
@@ -283,7 +283,7 @@ void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<Ex
   for (const ExactOrigin& origin : origins) {
     const std::vector<int> changed = changedSet(check.active, origin);
     if (take(changed)) return;
-    for (int row = 0; row < program.m && program.hasCostMultipliers(); ++row) {
+    for (int row = 0; row < program.m && program.linear; ++row) {
       const auto at = static_cast<std::size_t>(row);
       const bool active = std::binary_search(changed.begin(), changed.end(), row);
       const auto kind = active ? ExactOrigin::Kind::kMultiplier : ExactOrigin::Kind::kSlack;
@@ -316,8 +316,7 @@ FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std:
     return wide;
   }
   for (const ExactOrigin& origin : origins) {
-    // Where H is singular and not zero, multipliers may change from one side to the other.
-    if (origin.kind == ExactOrigin::Kind::kCostMultiplier || context_.program.semidefinite) continue;
+    if (origin.kind == ExactOrigin::Kind::kCostMultiplier) continue;
     const int other = find(changedSet(check.active, origin));
     if (other < 0 || checks_[static_cast<std::size_t>(other)].point.empty()) continue;
     text += line + " next " + originText(origin) + " " + std::to_string(other) + "\n";

@@ -6,9 +6,8 @@
 
 namespace polyfly {
 
-/// Proves the inequalities among `rows` to hold with equality wherever the program is feasible, or, where
-/// their bounds leave less between them than what the solver tells from nothing, wherever it is with bounds
-/// in the middle, which then count instead. False, and the adjustment as it was, where neither can be done.
+/// Proves the inequalities among `rows` to hold with equality wherever the program is feasible. False, and the
+/// adjustment as it was, where that cannot be done.
 bool proveImplied(const ParametricProgram& program, const std::vector<int>& rows,
                   ProgramPerturbation& adjustment);
 

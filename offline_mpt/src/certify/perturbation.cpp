@@ -6,8 +6,10 @@
 #include "certify/tolerances.hpp"
 #include "exact_kkt/exact_equalities.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
+#include "program/scaled_program.hpp"
 #include "program/slater_point.hpp"
 
 namespace polyfly {
@@ -17,7 +19,7 @@ constexpr int kPenalties = 40;  // powers of 4 that are tried as a penalty
 
 bool isConvex(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
   const int n = program.variableCount();
-  const std::vector<Rational> H = hessian(program, adjustment, adjustment.penalty);
+  const std::vector<Rational> H = hessian(program, adjustment.basis, adjustment.penalty);
   long least = kNoBit;
   for (const Rational& value : H) include(least, value);
   IntegerMatrix whole(n, n);
@@ -40,17 +42,23 @@ void takeEqualities(const ParametricProgram& program, ProgramPerturbation& adjus
 
 void makeConvex(const ParametricProgram& program, ProgramPerturbation& adjustment) {
   if (program.H.cwiseAbs().maxCoeff() == 0.0) return;
-  adjustment.singular = isSingular(program, adjustment.basis);
-  if (adjustment.singular)
-    adjustment.replaced = withoutRounding(program, adjustment.basis, adjustment.penalty);
+  requireDefinite(program, adjustment.basis);
   if (isConvex(program, adjustment)) return;
   double penalty = std::ldexp(1.0, std::ilogb(program.H.cwiseAbs().maxCoeff()));
-  const bool may_try = !adjustment.basis.empty() && adjustment.replaced.empty();
-  for (int k = 0; k < kPenalties && may_try; ++k, penalty *= 4.0) {
+  for (int k = 0; k < kPenalties && !adjustment.basis.empty(); ++k, penalty *= 4.0) {
     adjustment.penalty = penalty;
     if (isConvex(program, adjustment)) return;
   }
   throw Error(program.name + ": H: not positive semidefinite in exact arithmetic");
+}
+
+// The exploration has the shortest of several optima in units of its own.
+void chooseWeights(const ParametricProgram& program, ProgramPerturbation& adjustment) {
+  const std::vector<int> sizes = scaleProgram(program).variables;
+  if (!program.H.isZero(0.0) || sizes.empty()) return;
+  const auto [least, greatest] = std::minmax_element(sizes.begin(), sizes.end());
+  if (*least == *greatest) return;
+  for (const int size : sizes) adjustment.weights.push_back(2 * (*greatest - size));
 }
 
 bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
@@ -69,7 +77,7 @@ bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
 
 void dropRepeated(const ParametricProgram& program, const std::vector<char>& may_drop,
                   ProgramPerturbation& adjustment) {
-  const RepeatedRows rows(program);
+  const RepeatedRows rows(scaleProgram(program).program);
   for (int i = 0; i < program.rowCount(); ++i) {
     if (!may_drop[i] || isEquality(program, i)) continue;
     for (int k = 0; k < program.rowCount(); ++k) {
@@ -86,43 +94,11 @@ void dropRepeated(const ParametricProgram& program, const std::vector<char>& may
 
 }  // namespace
 
-double greatestReplacement(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
-  using Matrix = ReplacedEntry::Matrix;
-  ProgramPerturbation as_given;
-  as_given.basis = adjustment.basis;
-  const std::vector<Rational> H = hessian(program, as_given, adjustment.penalty);
-  double H_size = 0.0, greatest = 0.0;
-  for (const Rational& value : H) H_size = std::max(H_size, std::abs(value.get_d()));
-  for (const ReplacedEntry& entry : adjustment.replaced) {
-    Rational given;
-    double size = 0.0;
-    switch (entry.matrix) {
-      case Matrix::kH:
-        given = H[static_cast<std::size_t>(entry.row * program.variableCount() + entry.column)];
-        size = H_size;
-        break;
-      case Matrix::kF:
-        given = program.F(entry.row, entry.column);
-        size = program.F.cwiseAbs().maxCoeff();
-        break;
-      case Matrix::kf:
-        given = program.f(entry.row);
-        size = program.f.cwiseAbs().maxCoeff();
-        break;
-      case Matrix::kA:
-        given = program.A(entry.row, entry.column);
-        size = program.A.row(entry.row).cwiseAbs().maxCoeff();
-        break;
-    }
-    greatest = std::max(greatest, std::abs(Rational(entry.value - given).get_d()) / size);
-  }
-  return greatest;
-}
-
 ProgramPerturbation adjust(const ParametricProgram& program, const std::vector<char>& may_drop) {
   ProgramPerturbation adjustment;
   takeEqualities(program, adjustment);
   makeConvex(program, adjustment);
+  chooseWeights(program, adjustment);
   dropRepeated(program, may_drop, adjustment);
   return adjustment;
 }

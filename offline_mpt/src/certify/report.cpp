@@ -54,18 +54,8 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
   if (report.forgiven_rows > 0)
     text << "  rows that hold within 2^-40 of their size in a region: " << report.forgiven_rows << "\n";
   if (report.linear) text << "  linear program: of several optima the shortest\n";
-  if (report.singular) text << "  H is singular: of several optima the shortest\n";
-  if (report.replaced_entries > 0)
-    text << "  numbers of H, cost and rows that hide by rounding that H is singular: "
-         << report.replaced_entries << ", proven with others that differ by " << report.greatest_replacement
-         << " (relative)\n";
   if (!report.implied_equalities.empty())
     text << "  rows that can only hold with equality: " << list(report.implied_equalities) << "\n";
-  if (!report.narrow_rows.empty())
-    text << "  of them rows whose bounds leave so little between them that they count as equalities, proven "
-            "with "
-            "bounds in the middle that differ by "
-         << report.greatest_narrowing << " (relative): " << list(report.narrow_rows) << "\n";
   if (!report.dropped_equalities.empty())
     text << "  equalities that follow from others, or contradict them, by rounding only, proven to hold "
             "within "
@@ -146,12 +136,7 @@ std::string certifyJson(const CertifyReport& report) {
   json["forgiven_rows"] = report.forgiven_rows;
   json["widened"] = report.widened;
   json["linear"] = report.linear;
-  json["singular"] = report.singular;
-  json["replaced_entries"] = report.replaced_entries;
-  json["greatest_replacement"] = report.greatest_replacement;
   json["implied_equalities"] = report.implied_equalities;
-  json["narrow_rows"] = report.narrow_rows;
-  json["greatest_narrowing"] = report.greatest_narrowing;
   json["dropped_equalities"] = report.dropped_equalities;
   json["dropped_rows"] = report.dropped_rows;
   json["relaxed_rows"] = report.relaxed_rows;

@@ -125,10 +125,7 @@ bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, c
                  std::vector<int>& active) {
   if (program.linear) return false;
   try {
-    const double added =
-        program.semidefinite ? tolerance::kNearlySingular * source.H.trace() / program.n : 0.0;
-    const Eigen::MatrixXd H = source.H + added * Eigen::MatrixXd::Identity(program.n, program.n);
-    DenseQp qp(H, source.A, program.basis);
+    DenseQp qp(source.H, source.A, program.basis);
     const Eigen::VectorXd g = source.f + source.F * theta;
     const Eigen::VectorXd b = source.b + source.S * theta;
     if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;

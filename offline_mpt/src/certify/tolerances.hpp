@@ -38,9 +38,6 @@ constexpr double kTouchingPlanes = 1e-6;
 /// Distance of a row from the span of others from which it is free of them.
 constexpr double kClearlyFree = 1e-6;
 
-/// Multiple of the identity that is added to a singular H.
-constexpr double kNearlySingular = kSemidefinite;
-
 /// Rows with greater multipliers are active at a witness.
 constexpr double kPositiveMultiplier = 1e-10;
 

@@ -36,7 +36,7 @@ Rational atParameter(const IntegerMatrix& affine, int row, const std::vector<Rat
 
 bool provesUnbounded(const CheckContext& context, const Eigen::VectorXd& theta) {
   const ExactProgram& program = context.program;
-  if (!program.hasCostMultipliers() || theta.size() != program.p) return false;
+  if (!program.linear || theta.size() != program.p) return false;
   std::vector<Rational> t;
   for (std::size_t j = 0; j < program.half.size(); ++j)
     t.push_back((Rational(theta(static_cast<Eigen::Index>(j))) - program.centre[j]) / program.half[j]);
@@ -48,15 +48,6 @@ bool provesUnbounded(const CheckContext& context, const Eigen::VectorXd& theta) 
   for (int j = 0; j < program.n; ++j) {
     falling.setColumnBounds(j, ExactLp::Bound::kDouble, -1, 1);
     falling.setObjective(j, atParameter(program.cost, j, t));
-  }
-  if (program.semidefinite) {
-    const int first = falling.addRows(program.n);
-    for (int i = 0; i < program.n; ++i) {
-      falling.setRowBounds(first + i, ExactLp::Bound::kFixed, 0, 0);
-      for (int j = 0; j < program.n; ++j) {
-        if (program.H(i, j) != 0) falling.setCoefficient(first + i, j, Rational(program.H(i, j)));
-      }
-    }
   }
   falling.setSense(ExactLp::Sense::kMinimise);
   return falling.solve() == ExactLp::Status::kOptimal && falling.objective() < 0;

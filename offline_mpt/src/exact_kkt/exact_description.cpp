@@ -11,9 +11,6 @@ namespace {
 ProgramPerturbation adjustmentOf(const ParametricProgram& program) {
   ProgramPerturbation adjustment;
   chooseBasis(program, program.equalities, adjustment);
-  adjustment.singular = program.H.cwiseAbs().maxCoeff() > 0.0 && isSingular(program, adjustment.basis);
-  if (adjustment.singular)
-    adjustment.replaced = withoutRounding(program, adjustment.basis, adjustment.penalty);
   return adjustment;
 }
 
@@ -50,9 +47,7 @@ bool ExactDescription::solve(const std::vector<std::uint16_t>& active) {
 }
 
 void ExactDescription::multiplier(std::size_t place, double* affine) const {
-  // of a semidefinite program per unit of z, not of H z
-  unknown(place, &ExactSolution::multiplier, source_->program.semidefinite ? 0 : source_->program.H_exponent,
-          affine);
+  unknown(place, &ExactSolution::multiplier, source_->program.H_exponent, affine);
 }
 
 void ExactDescription::costMultiplier(std::size_t place, double* affine) const {

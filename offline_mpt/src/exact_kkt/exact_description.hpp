@@ -20,14 +20,11 @@ class ExactDescription {
   /// rounding only.
   bool solve(const std::vector<std::uint16_t>& active);
 
-  /// Of the program, once a set was described: the program without rounding leaves as many variables free.
-  bool usable() const { return source_ && source_->usable; }
-
   // Of the set that was described last; affine functions of t are p + 1 numbers, constant last.
 
   /// Of active row `place`, in the order given.
   void multiplier(std::size_t place, double* affine) const;
-  /// Where H is singular: what the cost asks of active row `place`.
+  /// Where H is zero: what the cost asks of active row `place`.
   void costMultiplier(std::size_t place, double* affine) const;
   /// Of row `row` of the reduced program.
   void slack(int row, double* affine) const;

@@ -15,18 +15,6 @@ std::vector<Rational> exactly(const Eigen::MatrixXd& M) {
   return values;
 }
 
-/// The matrix with its replaced entries, by rows.
-std::vector<Rational> counted(const Eigen::MatrixXd& M, ReplacedEntry::Matrix matrix,
-                              const ProgramPerturbation& adjustment) {
-  std::vector<Rational> values = exactly(M);
-  for (const ReplacedEntry& entry : adjustment.replaced) {
-    if (entry.matrix == matrix)
-      values[static_cast<std::size_t>(entry.row) * static_cast<std::size_t>(M.cols()) +
-             static_cast<std::size_t>(entry.column)] = entry.value;
-  }
-  return values;
-}
-
 /// (M theta + v) as p + 1 numbers per row.
 std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<Rational>& v,
                              const ExactProgram& exact) {
@@ -45,14 +33,12 @@ std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<R
 
 /// The doubles of a program at their exact values, with all adjustments.
 RationalProgram exactNumbers(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
-  using Matrix = ReplacedEntry::Matrix;
   RationalProgram numbers;
-  numbers.H = hessian(program, adjustment, 0.0);
-  numbers.F = counted(program.F, Matrix::kF, adjustment);
-  numbers.f = counted(program.f, Matrix::kf, adjustment);
-  numbers.A = counted(program.A, Matrix::kA, adjustment);
+  numbers.H = hessian(program, {}, 0.0);
+  numbers.F = exactly(program.F);
+  numbers.f = exactly(program.f);
+  numbers.A = exactly(program.A);
   numbers.b = exactly(program.b);
-  for (const auto& [row, value] : adjustment.bounds) numbers.b[static_cast<std::size_t>(row)] = value;
   for (const int row : adjustment.relaxed)
     numbers.b[static_cast<std::size_t>(row)] +=
         Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
@@ -67,29 +53,17 @@ RationalProgram exactNumbers(const ParametricProgram& program, const ProgramPert
 
 }  // namespace
 
-Rational rowSum(const ParametricProgram& program, int row) {
-  Rational sum;
-  for (int j = 0; j < program.variableCount(); ++j) sum += abs(Rational(program.A(row, j)));
-  return sum;
-}
-
-std::vector<Rational> hessian(const ParametricProgram& program, const ProgramPerturbation& adjustment,
+std::vector<Rational> hessian(const ParametricProgram& program, const std::vector<int>& basis,
                               double penalty) {
   const int n = program.variableCount();
   std::vector<Rational> H;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
       Rational value = (Rational(program.H(i, j)) + Rational(program.H(j, i))) / 2;
-      for (std::size_t k = 0; penalty != 0.0 && k < adjustment.basis.size(); ++k) {
-        const int row = adjustment.basis[k];
-        value += Rational(penalty) * Rational(program.A(row, i)) * Rational(program.A(row, j));
-      }
+      for (std::size_t k = 0; penalty != 0.0 && k < basis.size(); ++k)
+        value += Rational(penalty) * Rational(program.A(basis[k], i)) * Rational(program.A(basis[k], j));
       H.push_back(value);
     }
-  }
-  for (const ReplacedEntry& entry : adjustment.replaced) {
-    if (entry.matrix == ReplacedEntry::Matrix::kH)
-      H[static_cast<std::size_t>(entry.row) * n + entry.column] = entry.value;
   }
   return H;
 }
@@ -105,7 +79,6 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgr
       p(program.parameterCount()),
       q(program.inputCount()),
       linear(program.H.cwiseAbs().maxCoeff() == 0.0),
-      semidefinite(adjustment.singular),
       basis(adjustment.basis),
       in_basis(static_cast<std::size_t>(m), 0),
       is_equality(static_cast<std::size_t>(m), 0),
@@ -116,7 +89,11 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgr
 
   std::vector<Rational> H_values = numbers.H;
   if (linear) {
-    for (int i = 0; i < n * n; ++i) H_values[i] = i % (n + 1) == 0 ? 1 : 0;
+    std::fill(H_values.begin(), H_values.end(), 0);
+    for (int i = 0; i < n; ++i)
+      H_values[i * (n + 1)] =
+          Integer(1) << static_cast<unsigned long>(
+              adjustment.weights.empty() ? 0 : adjustment.weights[static_cast<std::size_t>(i)]);
   }
   const std::vector<Rational> cost_values = affine(numbers.F, numbers.f, *this);
   const std::vector<Rational> bound_values = affine(numbers.S, numbers.b, *this);

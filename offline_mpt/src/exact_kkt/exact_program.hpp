@@ -6,7 +6,6 @@
 #include "arithmetic/exact_matrix.hpp"
 #include "exact_kkt/exact_ranges.hpp"
 #include "mpc_core/parametric_program.hpp"
-#include "program/singular_hessian.hpp"
 
 namespace polyfly {
 
@@ -16,18 +15,14 @@ using ZeroCombination = std::vector<std::pair<int, Integer>>;
 
 /// What is certified in place of the program as it was given; nothing, where all fields are empty.
 struct ProgramPerturbation {
-  /// H is singular and not zero. Of several optima, the shortest counts.
-  bool singular = false;
-  /// Replaced entries of H, f, F and A. If an entry of H is replaced, all entries of H are listed.
-  std::vector<ReplacedEntry> replaced;
-  /// Rows, and the bounds that count instead of their entries of b.
-  std::vector<std::pair<int, Rational>> bounds;
   /// H + penalty A_e'A_e, over the equalities, is positive semidefinite.
   double penalty = 0.0;
   /// Rows that others imply up to rounding, ascending.
   std::vector<int> dropped;
   /// Inequalities whose bounds count as b + 2^-kRelaxedBits |row|.
   std::vector<int> relaxed;
+  /// H is zero: of several optima that of the least sum of 2^weights[j] z_j^2 counts. Empty: they are all the same.
+  std::vector<int> weights;
   /// Independent rows taken as equalities. All other equalities follow from them.
   std::vector<int> basis;
   /// Proofs that the inequalities in the basis are implied equalities.
@@ -56,9 +51,7 @@ struct ExactProgram : ExactRanges {
   int m = 0;
   int p = 0;
   int q = 0;
-  bool linear = false;        ///< H = 0; `H` is then the identity: of several optima the shortest
-  bool semidefinite = false;  ///< H is singular otherwise: the same
-  bool hasCostMultipliers() const { return linear || semidefinite; }
+  bool linear = false;  ///< H = 0; `H` is then that of the weights: of several optima the shortest
   long shift = 0;
   long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
   std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]
@@ -85,23 +78,13 @@ constexpr int kDroppedBits = 30;
 /// fail, relative to the row's greatest entry: 2^-kRelaxedBits.
 constexpr int kRelaxedBits = 40;
 
-/// By how much a bound that counts as another may differ, relative to rowSum: 2^-kNarrowBits.
-constexpr int kNarrowBits = 29;
-
-/// Sum of |entry| of a row of A.
-Rational rowSum(const ParametricProgram& program, int row);
-
-/// H, symmetric, with the penalty unless it is zero, or as it is replaced, by rows.
-std::vector<Rational> hessian(const ParametricProgram& program, const ProgramPerturbation& adjustment,
+/// H, symmetric, by rows. `penalty` times A_e'A_e over the rows of `basis` is added.
+std::vector<Rational> hessian(const ParametricProgram& program, const std::vector<int>& basis,
                               double penalty);
 
-/// Greatest difference of a replaced entry from the one given, relative to the greatest of H (with the
-/// penalty), F, f, or the row of A.
-double greatestReplacement(const ParametricProgram& program, const ProgramPerturbation& adjustment);
-
 /// Finds what has to be adjusted. `may_drop` tells which rows no region of the map counts as active. Throws
-/// Error when the equalities contradict each other, or H is not positive semidefinite where they leave z
-/// free.
+/// Error when the equalities contradict each other, or H is neither zero nor positive definite where they
+/// leave z free.
 ProgramPerturbation adjust(const ParametricProgram& program, const std::vector<char>& may_drop);
 
 }  // namespace polyfly

@@ -25,32 +25,6 @@ IntegerMatrix optimalitySystem(const ExactProgram& program, const std::vector<in
   return system;
 }
 
-/// The same for H singular and not zero, as the limit of H + eps I: unknowns are z, the cost multipliers, the
-/// multipliers, and y, by which z changes with eps.
-///
-///     H z + A'mu = -cost,   A z = bound,   H y + z + A'multiplier = 0,   A y = 0
-IntegerMatrix limitSystem(const ExactProgram& program, const std::vector<int>& rows) {
-  const int n = program.n;
-  const int k = static_cast<int>(rows.size());
-  const int size = 2 * (n + k);
-  const int y = n + 2 * k;
-  IntegerMatrix system(size, size + program.p + 1);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) system(i, j) = system(n + k + i, y + j) = program.H(i, j);
-    for (int r = 0; r < k; ++r) {
-      const Integer& entry = program.A(rows[r], i);
-      system(i, n + r) = system(n + r, i) = system(n + k + i, n + k + r) = system(2 * n + k + r, y + i) =
-          entry;
-    }
-    system(n + k + i, i) = 1;
-    for (int j = 0; j <= program.p; ++j) system(i, size + j) = -program.cost(i, j);
-  }
-  for (int r = 0; r < k; ++r) {
-    for (int j = 0; j <= program.p; ++j) system(n + r, size + j) = program.bound(rows[r], j);
-  }
-  return system;
-}
-
 bool isZero(const std::vector<Integer>& row) {
   return std::all_of(row.begin(), row.end(), [](const Integer& value) { return value == 0; });
 }
@@ -176,10 +150,8 @@ ExactStatus ExactSolution::solve(const ExactProgram& program, const std::vector<
   if (static_cast<int>(rows_.size()) > program.n) return ExactStatus::kDependent;
   n_ = program.n;
   width_ = program.p + 1;
-  if (program.semidefinite) return solveLimit(program);
   system_ = optimalitySystem(program, rows_);
   first_ = system_.rows();
-  multipliers_ = n_;
   cost_column_ = first_ + width_;
   if (!solveExactly(system_, determinant_)) return ExactStatus::kDependent;
   if (!program.linear) return ExactStatus::kRegion;
@@ -187,21 +159,6 @@ ExactStatus ExactSolution::solve(const ExactProgram& program, const std::vector<
     for (int j = 0; j < width_; ++j) {
       if (system_(i, first_ + width_ + j) != 0) return ExactStatus::kCostNotSpanned;
     }
-  }
-  return ExactStatus::kRegion;
-}
-
-ExactStatus ExactSolution::solveLimit(const ExactProgram& program) {
-  system_ = limitSystem(program, rows_);
-  first_ = cost_column_ = system_.rows();
-  multipliers_ = n_ + static_cast<int>(rows_.size());
-  switch (solveExactly(system_, multipliers_ + static_cast<int>(rows_.size()), determinant_)) {
-    case ExactSolve::kDependent:
-      return ExactStatus::kDependent;
-    case ExactSolve::kInconsistent:
-      return ExactStatus::kCostNotSpanned;
-    case ExactSolve::kSolved:
-      break;
   }
   return ExactStatus::kRegion;
 }
@@ -251,9 +208,9 @@ ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>&
     std::vector<Integer> multiplier, cost_multiplier;
     for (int j = 0; j <= program.p; ++j) {
       multiplier.push_back(solution.multiplier(r, j));
-      if (program.hasCostMultipliers()) cost_multiplier.push_back(solution.costMultiplier(r, j));
+      if (program.linear) cost_multiplier.push_back(solution.costMultiplier(r, j));
     }
-    const bool by_cost = program.hasCostMultipliers() && !isZero(cost_multiplier);
+    const bool by_cost = program.linear && !isZero(cost_multiplier);
     region.rows.push_back(
         makeRow({by_cost ? ExactOrigin::Kind::kCostMultiplier : ExactOrigin::Kind::kMultiplier, rows[k]},
                 by_cost ? std::move(cost_multiplier) : std::move(multiplier)));

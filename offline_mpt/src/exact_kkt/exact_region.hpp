@@ -14,7 +14,7 @@ struct ExactOrigin {
   enum class Kind : std::uint8_t {
     /// Multiplier of row `index` of the program, >= 0.
     kMultiplier,
-    /// Cost multiplier of row `index`, >= 0. H is singular, and the cost decides the multiplier's sign.
+    /// Cost multiplier of row `index`, >= 0. H is zero, and the cost decides the multiplier's sign.
     kCostMultiplier,
     /// Slack of row `index`, >= 0.
     kSlack,
@@ -59,7 +59,7 @@ enum class ExactStatus : std::uint8_t {
   kRegion,
   /// The active rows are linearly dependent.
   kDependent,
-  /// H is singular, and the cost is not in the span of these rows.
+  /// H is zero, and the cost is not in the span of these rows.
   kCostNotSpanned,
   /// An equality does not hold.
   kInconsistent,
@@ -77,8 +77,8 @@ class ExactSolution {
   const Integer& denominator() const { return determinant_; }  ///< > 0
   const Integer& z(int i, int j) const { return system_(i, j + first_); }
   /// Of rows()[r].
-  const Integer& multiplier(int r, int j) const { return system_(multipliers_ + r, j + first_); }
-  /// Of rows()[r], where H is singular.
+  const Integer& multiplier(int r, int j) const { return system_(n_ + r, j + first_); }
+  /// Of rows()[r], where H is zero.
   const Integer& costMultiplier(int r, int j) const { return system_(n_ + r, j + cost_column_); }
   /// bound - A z of a row, over the denominator.
   std::vector<Integer> slack(const ExactProgram& program, int row) const;
@@ -86,14 +86,12 @@ class ExactSolution {
   std::vector<Rational> law(const ExactProgram& program) const;
 
  private:
-  ExactStatus solveLimit(const ExactProgram& program);
-
   std::vector<int> rows_;
   IntegerMatrix system_;
   Integer determinant_;
   int n_ = 0, first_ = 0, width_ = 0;
-  // First row of the multipliers and first column of the cost multipliers in system_.
-  int multipliers_ = 0, cost_column_ = 0;
+  // First column of the cost multipliers in system_.
+  int cost_column_ = 0;
 };
 
 /// Solves the optimality conditions for one active set, which may name equalities or not.

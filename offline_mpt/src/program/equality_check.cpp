@@ -6,6 +6,7 @@
 
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {
@@ -46,8 +47,9 @@ Eigen::MatrixXd unitColumns(const ParametricProgram& program, const std::vector<
   return result;
 }
 
-void checkEqualities(const ParametricProgram& program) {
-  if (program.equalities.size() < 2) return;
+void checkEqualities(const ParametricProgram& given) {
+  if (given.equalities.size() < 2) return;
+  const ParametricProgram program = scaleProgram(given).program;
   const int n = program.variableCount();
   const Eigen::MatrixXd columns = unitColumns(program, program.equalities);
   const PivotedQr clear(columns.topRows(n), tolerance::kClearEquality);

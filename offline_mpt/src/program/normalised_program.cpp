@@ -1,13 +1,16 @@
 #include "program/normalised_program.hpp"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "arithmetic/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
+#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {
@@ -139,42 +142,72 @@ void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
   keepRows(ld, M, kept);
 }
 
-/// Lower triangular L with LL' = H; L = I where H is singular.
-Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
-  // H is empty if the equalities leave no variable free.
-  if (ld.n == 0) return ld.H;
-  const double mean = ld.H.trace() / ld.n;
-  if (vanishes(ld.H, ld.source.H)) {
+/// (M theta + v) in t, with centres and half ranges that are not rounded.
+WideMatrix wideInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
+                        const ParametricProgram& program) {
+  const Eigen::Index p = program.parameterCount();
+  WideMatrix result(v.size(), p + 1);
+  result.col(p) = wide(v);
+  for (Eigen::Index j = 0; j < p; ++j) {
+    const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
+    const WideMatrix column = wide(M.col(j));
+    result.col(j) = column * (exactSum(signal.upper, -signal.lower) * 0.5);
+    result.col(p) += column * (exactSum(signal.upper, signal.lower) * 0.5);
+  }
+  return result;
+}
+
+/// What the equalities leave of the program.
+AffineProgram withoutEqualities(const AffineProgram& whole, const EqualityElimination& free) {
+  const WideMatrix Z = wide(free.Z), z_p = wide(free.z_p);
+  AffineProgram reduced;
+  reduced.H = Z.transpose() * whole.H * Z;
+  reduced.cost = Z.transpose() * (whole.cost + whole.H * z_p);
+  reduced.A = whole.A * Z;
+  reduced.bound = whole.bound - whole.A * z_p;
+  reduced.E = whole.E * Z;
+  reduced.offset = whole.offset + whole.E * z_p;
+  return reduced;
+}
+
+/// The reduced program in the metric of H, or of the identity where H is zero.
+IdentityForm metricForm(const ParametricProgram& program, AffineProgram reduced, NormalisedProgram& ld) {
+  if (program.H.isZero(0.0)) {
     ld.linear = true;
-    ld.cost = ld.F;
-    ld.H = tolerance::kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), tolerance::kProgramRank) *
-           Eigen::MatrixXd::Identity(ld.n, ld.n);
-    return Eigen::MatrixXd::Identity(ld.n, ld.n);
+    ld.cost = rounded(reduced.cost);
+    reduced.H.setIdentity();
+    reduced.cost.setZero();
+    return *identityForm(reduced);
   }
-  const SymmetricEigen eigen = symmetricEigen(ld.H);
-  const double least = eigen.values(0);
-  if (least < -tolerance::kSemidefinite * mean) {
-    throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
+  ld.cost = Eigen::MatrixXd::Zero(ld.n, ld.p + 1);
+  requireDefinite(program, program.equalities);
+  std::optional<IdentityForm> form = identityForm(reduced);
+  if (!form) throw Error(program.name + ": H: its condition is beyond 1e28");
+  // The equalities are eliminated in doubles.
+  if (!program.equalities.empty() && ld.n > 0) {
+    const double least = rounded(form->root).diagonal().minCoeff();
+    ld.rounding *= std::max(1.0, std::sqrt(program.H.cwiseAbs().maxCoeff()) / least);
   }
-  if (least >= tolerance::kSemidefinite * mean) return ld.H.llt().matrixL();
-  ld.semidefinite = true;
-  ld.cost = ld.F;
-  const double greatest = eigen.values(ld.n - 1);
-  const Eigen::VectorXd positive =
-      (eigen.values.array() > tolerance::kNullEigenvalue * greatest).select(eigen.values, 0.0);
-  ld.curvature = eigen.vectors * positive.asDiagonal() * eigen.vectors.transpose();
-  ld.H = ld.curvature + tolerance::kSingularStart * mean * Eigen::MatrixXd::Identity(ld.n, ld.n);
-  return Eigen::MatrixXd::Identity(ld.n, ld.n);
+  return *std::move(form);
 }
 
 }  // namespace
 
-NormalisedProgram normalise(const ParametricProgram& program) {
-  if (program.parameterCount() > kMostParameters)
-    throw Error(program.name + ": parameters: must be at most " + std::to_string(kMostParameters) + ", got " +
-                std::to_string(program.parameterCount()));
+AffineProgram affineInBox(const ParametricProgram& program) {
+  return {wide(program.H), wideInScaled(program.F, program.f, program),
+          wide(program.A), wideInScaled(program.S, program.b, program),
+          wide(program.E), wideInScaled(program.C, program.c, program)};
+}
+
+NormalisedProgram normalise(const ParametricProgram& given) {
+  if (given.parameterCount() > kMostParameters)
+    throw Error(given.name + ": parameters: must be at most " + std::to_string(kMostParameters) + ", got " +
+                std::to_string(given.parameterCount()));
+  ScaledProgram scaled = scaleProgram(given);
   NormalisedProgram ld;
-  ld.source = program;
+  ld.source = std::move(scaled.program);
+  ld.outputs = std::move(scaled.outputs);
+  const ParametricProgram& program = ld.source;
   ld.rounding = tolerance::kDoubleRounding;
   ld.p = program.parameterCount();
   ld.centre.resize(ld.p);
@@ -185,25 +218,12 @@ NormalisedProgram normalise(const ParametricProgram& program) {
   }
   setDomain(program, ld);
 
-  const EqualityElimination free = eliminateEqualities(program, ld);
-  ld.n = static_cast<int>(free.Z.cols());
-  ld.H = free.Z.transpose() * program.H * free.Z;
-  ld.F = free.Z.transpose() * (affineInScaled(program.F, program.f, ld) + program.H * free.z_p);
-  const Eigen::MatrixXd root = metric(program.name, ld);
-  const auto lower = root.triangularView<Eigen::Lower>();
-  // unconstrained minimiser; where H is singular its part of order one
-  Eigen::MatrixXd y_free = Eigen::MatrixXd::Zero(ld.n, ld.p + 1);
-  if (!ld.linear && !ld.semidefinite) {
-    const auto solve = [&](const Eigen::MatrixXd& rhs) -> Eigen::MatrixXd {
-      return lower.transpose().solve(lower.solve(rhs));
-    };
-    y_free = -solve(ld.F);
-    // One step of refinement. With a diagonal H it gives the nearest doubles: a safety filter passes wishes bit for bit.
-    y_free -= solve(ld.H * y_free + ld.F);
-  }
-
-  const Eigen::MatrixXd A_all = program.A * free.Z;
-  const Eigen::MatrixXd S_all = affineInScaled(program.S, program.b, ld) - program.A * free.z_p;
+  AffineProgram reduced = affineInBox(program);
+  if (!program.equalities.empty()) reduced = withoutEqualities(reduced, eliminateEqualities(program, ld));
+  ld.n = static_cast<int>(reduced.H.rows());
+  const Eigen::MatrixXd A = rounded(reduced.A), S = rounded(reduced.bound);
+  const IdentityForm form = metricForm(program, std::move(reduced), ld);
+  const Eigen::MatrixXd M_all = rounded(form.rows), D = rounded(form.slack);
   Eigen::MatrixXd M(program.rowCount(), ld.n);
   ld.A.resize(program.rowCount(), ld.n);
   ld.S.resize(program.rowCount(), ld.p + 1);
@@ -211,25 +231,21 @@ NormalisedProgram normalise(const ParametricProgram& program) {
   ld.length.resize(program.rowCount());
   for (int i = 0; i < program.rowCount(); ++i) {
     if (isEquality(program, i)) continue;
-    const Eigen::VectorXd m_row = lower.solve(A_all.row(i).transpose());
-    const double scale = std::max(program.A.row(i).cwiseAbs().maxCoeff(), S_all.row(i).cwiseAbs().maxCoeff());
-    if (A_all.row(i).norm() <= tolerance::kProgramRank * scale) {
-      addDomainRow(ld, -S_all.row(i).head(ld.p), S_all(i, ld.p), scale);
+    const double scale = std::max(program.A.row(i).cwiseAbs().maxCoeff(), S.row(i).cwiseAbs().maxCoeff());
+    if (A.row(i).norm() <= tolerance::kProgramRank * scale) {
+      addDomainRow(ld, -S.row(i).head(ld.p), S(i, ld.p), scale);
       continue;
     }
-    const double length = m_row.norm();
-    M.row(ld.m) = m_row / length;
-    ld.A.row(ld.m) = A_all.row(i);
-    ld.S.row(ld.m) = S_all.row(i);
-    ld.length(ld.m) = length;
-    ld.D.row(ld.m) = (S_all.row(i) - A_all.row(i) * y_free) / length;
+    M.row(ld.m) = M_all.row(i);
+    ld.A.row(ld.m) = A.row(i);
+    ld.S.row(ld.m) = S.row(i);
+    ld.length(ld.m) = form.length(i);
+    ld.D.row(ld.m) = D.row(i);
     ld.row_ids.push_back(i);
     ++ld.m;
   }
-  const Eigen::MatrixXd E = program.E * free.Z;
-  ld.U = affineInScaled(program.C, program.c, ld) + program.E * free.z_p + E * y_free;
-  ld.V = -(lower.solve(E.transpose())).transpose() * M.topRows(ld.m).transpose();
-  ld.output = E;
+  ld.U = rounded(form.law);
+  ld.V = -rounded(form.output) * M.topRows(ld.m).transpose();
   dropParallelRows(ld, M);
   return ld;
 }

@@ -4,19 +4,14 @@
 #include <vector>
 
 #include "lp/polytope.hpp"
+#include "mpc_core/identity_form.hpp"
 #include "mpc_core/parametric_program.hpp"
-#include "program/tolerances.hpp"
 
 namespace polyfly {
 
-/// H is zero where the equalities leave z free, `reduced`, but for rounding.
-inline bool vanishes(const Eigen::MatrixXd& reduced, const Eigen::MatrixXd& H) {
-  return reduced.cwiseAbs().maxCoeff() <= tolerance::kVanishingHessian * H.cwiseAbs().maxCoeff();
-}
-
 /// A parametric program brought to the form in which it is explored.
 ///
-/// Parameters are scaled, theta = centre + half .* t with t in [-1, 1]^p; equalities are eliminated; rows
+/// Rows, cost, z and u are in the units of scaleProgram. Parameters are scaled, theta = centre + half .* t with t in [-1, 1]^p; equalities are eliminated; rows
 /// that repeat or are implied by a parallel row are dropped; rows have unit length in the norm of H^-1. With
 /// multipliers lambda of the rows left,
 ///
@@ -25,9 +20,7 @@ inline bool vanishes(const Eigen::MatrixXd& reduced, const Eigen::MatrixXd& H) {
 /// A linear program (H = 0) is the limit of H = eps I for eps -> 0, taken symbolically: of all optima the one
 /// of least length |z| is chosen, which is unique and, where the cost does not depend on theta, continuous.
 /// Multipliers are then cost multipliers / eps + lambda with cost + M' cost multipliers = 0, and all of the
-/// above holds with the lambda of order one. H that is singular otherwise is the limit of H + eps I, which
-/// the equation above does not describe: ShortestOptimum does. D, U and V are then those of H = I without
-/// cost.
+/// above holds with the lambda of order one.
 struct NormalisedProgram {
   /// Number of parameters.
   int p = 0;
@@ -52,36 +45,35 @@ struct NormalisedProgram {
   /// Approximate relative rounding error of D, gram, U and V.
   double rounding = 0.0;
   bool linear = false;  ///< H = 0
-  /// H is singular and not zero.
-  bool semidefinite = false;
-  /// The cost, where H is singular.
+  /// The cost, where H is zero.
   Eigen::MatrixXd cost;  ///< n x (p + 1)
-  /// Map from z to u.
-  Eigen::MatrixXd output;  ///< q x n
-  /// A singular H, without what starting points add to it.
-  Eigen::MatrixXd curvature;  ///< n x n
   /// A row without z can never hold.
   bool domain_empty = false;
 
-  // The reduced program in t, for starting points: min 1/2 z'Hz + (f + F t)'z, A z <= b + S t. A singular H
-  // has something added to its diagonal.
-  Eigen::MatrixXd H;
-  Eigen::MatrixXd F;  ///< n x (p + 1), constant last
+  // The reduced program in t: A z <= S (t, 1).
   Eigen::MatrixXd A;  ///< m x n
   /// Lengths of the rows of A in the norm of H^-1.
   Eigen::VectorXd length;  ///< m
   Eigen::MatrixXd S;       ///< m x (p + 1), constant last
 
-  /// The program before the reduction.
+  /// The program before the reduction, scaled.
   ParametricProgram source;
+  /// ScaledProgram::outputs: u of the program as it was given is 2^outputs times u.
+  std::vector<int> outputs;  ///< q
 
+  /// Whether the cost of z does not depend on the parameters. H is zero.
+  bool constantCost() const { return cost.leftCols(p).isZero(0.0); }
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };
 
 /// Parameters of a program that is explored, at most. Depths of cells take one dimension more.
 constexpr int kMostParameters = PolytopeSolver::kMaxDimension - 1;
 
-/// Throws Error when there are more than kMostParameters, H has a negative eigenvalue there, or the equalities fix parameters.
+/// Throws Error when there are more than kMostParameters, H is neither zero nor positive definite where the equalities
+/// leave z free, or the equalities fix parameters.
 NormalisedProgram normalise(const ParametricProgram& program);
+
+/// A program without equalities, in t.
+AffineProgram affineInBox(const ParametricProgram& program);
 
 }  // namespace polyfly

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mpc_core/dense_qp.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
+#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {
@@ -28,19 +30,6 @@ void normalise(SlaterSearch& search) {
     search.A.row(i) /= length;
     search.b(i) /= length;
   }
-}
-
-/// Where the box is so large that z must be too, z is counted in greater units: small weights do not hold it
-/// back then. False when nothing changed.
-bool scaleVariables(SlaterSearch& search, int n) {
-  bool scaled = false;
-  for (int j = 0; j < n; ++j) {
-    const double largest = search.A.col(j).cwiseAbs().maxCoeff();
-    if (largest == 0.0 || largest >= tolerance::kSmallColumn) continue;
-    search.A.col(j) /= largest;
-    scaled = true;
-  }
-  return scaled;
 }
 
 SlaterSearch assemble(const ParametricProgram& program) {
@@ -70,7 +59,6 @@ SlaterSearch assemble(const ParametricProgram& program) {
     search.b.segment(m + 2 * p, k) = program.b_theta - program.A_theta * centre;
   }
   normalise(search);
-  if (scaleVariables(search, n)) normalise(search);
   for (Eigen::Index i = 0; i < search.A.rows(); ++i) {
     const bool says_nothing = search.A.row(i).isZero(0.0) && search.b(i) >= 0.0;
     search.A(i, n + p) = says_nothing ? 0.0 : 1.0;
@@ -115,9 +103,7 @@ bool addImplied(const DenseQp& qp, const SlaterSearch& search, ParametricProgram
   return added;
 }
 
-}  // namespace
-
-SlaterPoint findSlaterPoint(ParametricProgram& program) {
+SlaterPoint findScaledPoint(ParametricProgram& program) {
   const int n = program.variableCount();
   const int p = program.parameterCount();
   addOpposite(program);
@@ -136,6 +122,15 @@ SlaterPoint findSlaterPoint(ParametricProgram& program) {
       throw Error(program.name + ": the parameters that admit a solution form a lower-dimensional set");
     }
   }
+}
+
+}  // namespace
+
+SlaterPoint findSlaterPoint(ParametricProgram& program) {
+  ParametricProgram scaled = scaleProgram(program).program;
+  const SlaterPoint point = findScaledPoint(scaled);
+  program.equalities = std::move(scaled.equalities);
+  return point;
 }
 
 }  // namespace polyfly

@@ -9,29 +9,14 @@ namespace polyfly::tolerance {
 /// How far outside of a half-space a look-up still counts a parameter as inside [scaled].
 constexpr double kMembership = format::kMaxTolerance;
 
-/// A least eigenvalue below this makes H singular.
-constexpr double kSemidefinite = 1e-8;
-
-/// Eigenvalues of a singular H below this are zero.
-constexpr double kNullEigenvalue = 1e-12;
-
-/// H is zero where its reduced form has no greater entry.
-constexpr double kVanishingHessian = 1e-13;
+/// With a greater least eigenvalue, doubles know that H is positive definite where equalities leave z free.
+constexpr double kClearlyDefinite = 1e-9;
 
 /// A smaller pivot or length is zero.
 constexpr double kProgramRank = 1e-11;
 
 /// Equalities with a smaller pivot are dependent.
 constexpr double kEqualityRank = kProgramRank;
-
-/// A smaller part outside of the range of H is rounding.
-constexpr double kOutsideRange = 1e-11;
-
-/// Weight of |z|^2 in the program that finds a starting point where H is singular.
-constexpr double kSingularStart = 1e-6;
-
-/// The same for linear programs.
-constexpr double kLinearStart = 1e-5;
 
 /// Rows that differ by less are parallel.
 constexpr double kParallelRows = 1e-12;
@@ -67,8 +52,8 @@ constexpr double kBlockingShare = 1e-4;
 /// Two rows are opposite if their entries cancel up to this.
 constexpr double kOppositeRows = 1e-14;
 
-/// Variables with a greater entry are not scaled.
-constexpr double kSmallColumn = 1e-2;
+/// Weight by which the size of a variable that no bound gives one is that of its unit.
+constexpr double kFreeSize = 1e-9;
 
 /// A shorter row has no normal.
 constexpr double kNoNormal = 1e-13;

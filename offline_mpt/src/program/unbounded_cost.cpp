@@ -48,26 +48,17 @@ std::optional<Eigen::VectorXd> inside(ParametricProgram program) {
 
 UnboundedCost::UnboundedCost(const ParametricProgram& program, const NormalisedProgram& reduced)
     : program_(program), reduced_(reduced) {
-  if (!reduced.linear && !reduced.semidefinite) return;
-  const Eigen::Index n = reduced.n;
-  null_ = Eigen::MatrixXd::Identity(n, n);
-  if (reduced.semidefinite) {
-    const SymmetricEigen curvature = symmetricEigen(reduced.curvature);
-    Eigen::Index zeros = 0;
-    while (zeros < n && curvature.values(zeros) <= tolerance::kNullEigenvalue * curvature.values(n - 1))
-      ++zeros;
-    null_ = curvature.vectors.leftCols(zeros);
-  }
+  if (!reduced.linear) return;
   size_ = reduced.cost.size() > 0 ? reduced.cost.cwiseAbs().maxCoeff() : 0.0;
-  if (null_.cols() == 0 || size_ == 0.0) return;
-  qp_.emplace(Eigen::MatrixXd::Identity(null_.cols(), null_.cols()), reduced.M * null_);
+  if (reduced.n == 0 || size_ == 0.0) return;
+  qp_.emplace(Eigen::MatrixXd::Identity(reduced.n, reduced.n), reduced.M);
 }
 
 std::optional<Eigen::VectorXd> UnboundedCost::direction(const Eigen::VectorXd& t) {
   if (!qp_) return std::nullopt;
   Eigen::VectorXd t1(reduced_.p + 1);
   t1 << t, 1.0;
-  const Eigen::VectorXd slope = null_.transpose() * (reduced_.cost * t1) / size_;
+  const Eigen::VectorXd slope = reduced_.cost * t1 / size_;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(reduced_.m);
   if (qp_->solve(slope.data(), zero.data()) != QpStatus::kOptimal) return std::nullopt;
   const double length = qp_->z().norm();
@@ -76,16 +67,15 @@ std::optional<Eigen::VectorXd> UnboundedCost::direction(const Eigen::VectorXd& t
   // Where it is short, it is a difference of numbers that nearly cancel: once more onto the rows it runs
   // along.
   if (qp_->activeCount() > 0) {
-    Eigen::MatrixXd along(null_.cols(), qp_->activeCount());
+    Eigen::MatrixXd along(reduced_.n, qp_->activeCount());
     for (int k = 0; k < qp_->activeCount(); ++k)
-      along.col(k) = (reduced_.M.row(qp_->activeRows()[k]) * null_).transpose();
+      along.col(k) = reduced_.M.row(qp_->activeRows()[k]).transpose();
     direction -= along * PivotedQr(along).solve(direction);
     direction.normalize();
   }
-  const bool open =
-      reduced_.m == 0 || (reduced_.M * (null_ * direction)).maxCoeff() <= tolerance::kOpenDirection;
+  const bool open = reduced_.m == 0 || (reduced_.M * direction).maxCoeff() <= tolerance::kOpenDirection;
   if (!open || slope.dot(direction) >= -tolerance::kLevelCost) return std::nullopt;
-  return null_ * direction;
+  return direction;
 }
 
 std::optional<Eigen::VectorXd> UnboundedCost::start(const Eigen::VectorXd& t) {

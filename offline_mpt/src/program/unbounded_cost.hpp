@@ -12,9 +12,8 @@
 
 namespace polyfly {
 
-/// Where a program has solutions but no best one. Along a direction d with A d <= 0, H d = 0 and
-/// cost(t)'d < 0 the cost falls for ever. Neither the directions that rows and H leave open nor their cone
-/// depend on t, so the parameters without such a direction are a convex set: whatever lies behind a facet
+/// Where a linear program has solutions but no best one. Along a direction d with A d <= 0 and
+/// cost(t)'d < 0 the cost falls for ever. Neither the directions that rows leave open nor their cone depend on t, so the parameters without such a direction are a convex set: whatever lies behind a facet
 /// that it shares with the regions' union is unbounded as far as it is feasible. One object, one thread.
 class UnboundedCost {
  public:
@@ -50,9 +49,7 @@ class UnboundedCost {
 
   const ParametricProgram& program_;
   const NormalisedProgram& reduced_;
-  // Basis of the null space of H.
-  Eigen::MatrixXd null_;  // n x r
-  // Projects -cost onto the cone of open directions. None where r = 0.
+  // Projects -cost onto the cone of open directions. None without a cost.
   std::optional<DenseQp> qp_;
   // Greatest entry of the cost.
   double size_ = 0.0;

@@ -164,14 +164,15 @@ void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& c
 struct Laws {
   std::vector<double> written;
   std::vector<double> scaled;
-  double output = 0.0;  // greatest |u| at the regions' centres
+  Eigen::VectorXd outputs;  // greatest |u| at the regions' centres
 };
 
 Laws collectLaws(const Partition& partition, const Scaling& scaling, Eigen::Index outputs) {
   const auto p = static_cast<Eigen::Index>(scaling.half.size());
   Laws laws;
+  laws.outputs = Eigen::VectorXd::Zero(outputs);
   for (const CriticalRegion& region : partition.regions) {
-    laws.output = std::max(laws.output, (region.K * region.centre + region.k).cwiseAbs().maxCoeff());
+    laws.outputs = laws.outputs.cwiseMax((region.K * region.centre + region.k).cwiseAbs());
     for (Eigen::Index i = 0; i < outputs; ++i) {
       double constant = region.k(i);
       for (Eigen::Index j = 0; j < p; ++j) {
@@ -187,15 +188,16 @@ Laws collectLaws(const Partition& partition, const Scaling& scaling, Eigen::Inde
   return laws;
 }
 
-/// Whether each output of two laws is the same in the whole box within tolerance::kSharedLaw, relative to max(1, |u|).
-bool agreeInBox(const double* law, const double* other, std::size_t width, std::size_t outputs) {
-  for (std::size_t i = 0; i < outputs; ++i, law += width, other += width) {
+/// Whether each output of two laws is the same in the whole box within tolerance::kSharedLaw, relative to its own |u|, or
+/// to that of all laws where they are less than 1.
+bool agreeInBox(const double* law, const double* other, std::size_t width, const Eigen::VectorXd& outputs) {
+  for (Eigen::Index i = 0; i < outputs.size(); ++i, law += width, other += width) {
     double difference = 0.0, size = 0.0;
     for (std::size_t j = 0; j < width; ++j) {
       difference += std::abs(law[j] - other[j]);
       size += std::abs(law[j]);
     }
-    if (difference > tolerance::kSharedLaw * std::max(1.0, size)) return false;
+    if (difference > tolerance::kSharedLaw * std::max(std::min(1.0, outputs(i)), size)) return false;
   }
   return true;
 }
@@ -205,9 +207,9 @@ void addLaws(const Partition& partition, const Scaling& scaling, MapContent& con
   const Laws laws = collectLaws(partition, scaling, static_cast<Eigen::Index>(content.inputs.size()));
   const std::size_t outputs = content.inputs.size();
   // not relative to the laws: beside the steepest of them, a saturated one would pass for constant
-  const Deduplicator sharing(laws.scaled, width, kSameLaw * laws.output,
+  const Deduplicator sharing(laws.scaled, width, kSameLaw * laws.outputs.maxCoeff(),
                              [&](const double* law, const double* other) {
-                               return agreeInBox(law, other, width / outputs, outputs);
+                               return agreeInBox(law, other, width / outputs, laws.outputs);
                              });
   for (const std::size_t i : sharing.representatives()) {
     const auto first = laws.written.begin() + static_cast<std::ptrdiff_t>(i * width);

@@ -12,7 +12,8 @@ constexpr double kSamePlane = kDefaultRadiusTolerance / 10.0;
 /// The same where rows of the program nearly repeat each other, whose regions may be thinner [scaled].
 constexpr double kSamePlaneOfNearRows = kSamePlane / 100.0;
 
-/// A law that is written for several regions differs from the law of each in the box by less, relative to max(1, |u|).
+/// A law that is written for several regions differs from the law of each in the box by less, relative to its |u|, or to
+/// that of all laws where they are less than 1.
 /// Proofs allow twice as much.
 constexpr double kSharedLaw = 5e-9;
 

@@ -54,11 +54,10 @@ bool ExactOptimalityCheck::optimal(const Eigen::VectorXd& theta, const std::vect
   if (!exact_) {
     ProgramPerturbation as_given;
     chooseBasis(*program_, program_->equalities, as_given);
-    as_given.singular = program_->H.cwiseAbs().maxCoeff() > 0.0 && isSingular(*program_, as_given.basis);
     exact_ = std::make_shared<const ExactProgram>(*program_, as_given);
   }
-  // A program with cost multipliers need not have a unique optimum.
-  if (exact_->hasCostMultipliers()) return false;
+  // A linear program need not have a unique optimum.
+  if (exact_->linear) return false;
   ExactSolution solution;
   if (solution.solve(*exact_, active) != ExactStatus::kRegion) return false;
   const std::vector<Rational> t = scaled(*exact_, theta);

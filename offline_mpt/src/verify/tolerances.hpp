@@ -3,6 +3,9 @@
 /// Tolerances of the independent oracle.
 namespace polyfly::tolerance {
 
+/// An input with a greater range has none.
+constexpr double kNoRange = 1e100;
+
 /// Greatest residual that counts as solved.
 constexpr double kInteriorPointAccuracy = 1e-9;
 

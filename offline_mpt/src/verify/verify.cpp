@@ -8,6 +8,7 @@
 
 #include "offline_mpt/partition.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/scaled_program.hpp"
 #include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 #include "verify/exact_optimality_check.hpp"
@@ -64,13 +65,35 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   total.oracle_iterations = std::max(total.oracle_iterations, part.oracle_iterations);
 }
 
+/// What errors of each input are shares of: its range, or the greatest |u| of samples where it has none.
+Eigen::VectorXd inputSizes(const RegionMap& map, const ParametricProgram& program, std::uint64_t seed) {
+  Eigen::VectorXd greatest = Eigen::VectorXd::Zero(program.inputCount()), u = greatest;
+  ParameterSampler sampler(map, seed, 0);
+  for (std::uint64_t i = 0; i < kBlock; ++i) {
+    const bool uniform = i % 2 == 0 || map.regionCount() == 0;
+    const Eigen::VectorXd theta = (uniform ? sampler.uniform() : sampler.degenerate()).theta;
+    if (map.evaluate(theta.data(), u.data()).status == LookupStatus::kInside)
+      greatest = greatest.cwiseMax(u.cwiseAbs());
+  }
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    const Signal& input = program.inputs[static_cast<std::size_t>(i)];
+    const double range = input.upper - input.lower;
+    if (range > 0.0 && range < tolerance::kNoRange) greatest(i) = range;
+    if (greatest(i) == 0.0) greatest(i) = 1.0;
+  }
+  return greatest;
+}
+
 /// Checks samples with work space of its own: one per thread.
 class Checker {
  public:
-  Checker(const RegionMap& map, const ParametricProgram& program, const VerifyOptions& options)
+  Checker(const RegionMap& map, const ParametricProgram& program, const ScaledProgram& scaled,
+          const VerifyOptions& options)
       : map_(map),
         options_(options),
-        oracle_(program),
+        units_(scaled.outputs),
+        sizes_(inputSizes(map, program, options.seed)),
+        oracle_(scaled.program),
         arbiter_(program),
         u_(program.inputCount()),
         hit_(map.regionCount(), 0) {}
@@ -137,19 +160,29 @@ class Checker {
 
   bool isFallback(std::size_t region) const { return region >= map_.firstFallback(); }
 
-  /// Of two laws, relative to max(1, |u|).
+  /// Greatest |u - other|, each as a share of its input's size.
+  double share(const Eigen::VectorXd& u, const Eigen::VectorXd& other) const {
+    return (u - other).cwiseAbs().cwiseQuotient(sizes_).maxCoeff();
+  }
+
+  Eigen::VectorXd inUnits(Eigen::VectorXd u, int sign) const {
+    for (Eigen::Index i = 0; i < u.size(); ++i)
+      u(i) = std::ldexp(u(i), sign * units_[static_cast<std::size_t>(i)]);
+    return u;
+  }
+
+  /// Of two laws, as `share`.
   double difference(const Eigen::VectorXd& theta, std::uint32_t law, std::uint32_t other) const {
     const Eigen::Index p = theta.size();
-    double worst = 0.0, scale = 1.0;
+    double worst = 0.0;
     for (Eigen::Index i = 0; i < u_.size(); ++i) {
       const double* row = map_.law(law) + i * (p + 1);
       const double* other_row = map_.law(other) + i * (p + 1);
       const double value = Eigen::Map<const Eigen::VectorXd>(row, p).dot(theta) + row[p];
       const double other_value = Eigen::Map<const Eigen::VectorXd>(other_row, p).dot(theta) + other_row[p];
-      worst = std::max(worst, std::abs(value - other_value));
-      scale = std::max(scale, std::abs(value));
+      worst = std::max(worst, std::abs(value - other_value) / sizes_(i));
     }
-    return worst / scale;
+    return worst;
   }
 
   // At the edge of the feasible set map and program may differ.
@@ -193,7 +226,6 @@ class Checker {
   // Fallback regions may lie over ordinary ones. Without the map's tolerance: beside a face a steep law of
   // the neighbour may differ by more.
   void checkOverlap(const Eigen::VectorXd& theta, std::size_t region, VerifyReport& report) {
-    const double scale = std::max(1.0, u_.cwiseAbs().maxCoeff());
     const Eigen::Index p = theta.size();
     double worst = 0.0;
     const std::size_t first = isFallback(region) ? map_.firstFallback() : 0;
@@ -204,7 +236,7 @@ class Checker {
       for (Eigen::Index i = 0; i < u_.size(); ++i) {
         const double* row = law + i * (p + 1);
         const double value = Eigen::Map<const Eigen::VectorXd>(row, p).dot(theta) + row[p];
-        worst = std::max(worst, std::abs(value - u_[i]) / scale);
+        worst = std::max(worst, std::abs(value - u_[i]) / sizes_(i));
       }
     }
     if (worst > options_.tolerance) note(report.overlaps, worst, theta);
@@ -213,8 +245,7 @@ class Checker {
   // Where doubles of the oracle and the map differ, the conditions of optimality are solved exactly for the
   // region's active set, and for those of regions beside it: theta may lie on a face, up to rounding. If they
   // hold at theta, whatever the map says, theirs is the one right answer.
-  bool settle(const Eigen::VectorXd& theta, std::size_t index, double& error, double& scale) {
-    Eigen::VectorXd u;
+  bool settle(const Eigen::VectorXd& theta, std::size_t index, Eigen::VectorXd& u) {
     const auto is_optimal = [&](std::size_t candidate) {
       const RegionView region = map_.region(candidate);
       return arbiter_.optimal(theta, {region.active, region.active + region.active_count}, u);
@@ -222,48 +253,50 @@ class Checker {
     bool found = is_optimal(index);
     for (std::size_t other = 0; other < map_.firstFallback() && !found; ++other)
       found = other != index && holds(other, theta, map_.tolerance()) && is_optimal(other);
-    if (!found) return false;
-    error = (u_ - u).cwiseAbs().maxCoeff();
-    scale = std::max(1.0, u.cwiseAbs().maxCoeff());
-    return true;
+    return found;
   }
 
   void compare(const Eigen::VectorXd& theta, std::size_t region, const OracleAnswer& answer,
                VerifyReport& report) {
-    double error = 0.0, scale = 1.0;
+    double error = 0.0, scaled = 0.0;
     if (oracle_.strictlyConvex()) {
-      error = (u_ - answer.u).cwiseAbs().maxCoeff();
-      scale = std::max(1.0, answer.u.cwiseAbs().maxCoeff());
-      if (!(error <= options_.tolerance * scale)) {
-        if (settle(theta, region, error, scale)) {
+      Eigen::VectorXd u = inUnits(answer.u, 1);
+      if (!(share(u_, u) <= options_.tolerance)) {
+        Eigen::VectorXd exact;
+        if (settle(theta, region, exact)) {
           ++report.settled;
+          u = exact;
         } else if (oracle_.place(theta, options_.edge_tolerance) == ProgramOracle::Place::kEdge) {
           // Near the edge of the feasible set, a steep law and the oracle may differ.
           ++report.borderline;
           return;
         }
       }
+      error = (u_ - u).cwiseAbs().maxCoeff();
+      scaled = share(u_, u);
     } else {
       // u may be off by the tolerance, so rows give way by as much; that can only lower the objective.
-      error = oracle_.objectiveWithOutput(theta, u_, options_.tolerance) - answer.objective;
-      scale = std::max(1.0, std::abs(answer.objective));
+      error = oracle_.objectiveWithOutput(theta, inUnits(u_, -1), options_.tolerance) - answer.objective;
       if (std::isnan(error)) {
         note(report.undecided, error, theta);
         return;
       }
       error = std::max(0.0, error);
+      scaled = error / std::max(1.0, std::abs(answer.objective));
     }
     ++report.compared;
     report.max_error = std::max(report.max_error, error);
-    if (report.max_error_theta.size() == 0 || error / scale > report.max_scaled_error) {
-      report.max_scaled_error = error / scale;
+    if (report.max_error_theta.size() == 0 || scaled > report.max_scaled_error) {
+      report.max_scaled_error = scaled;
       report.max_error_theta = theta;
     }
-    if (!(error <= options_.tolerance * scale)) note(report.errors, error / scale, theta);
+    if (!(scaled <= options_.tolerance)) note(report.errors, scaled, theta);
   }
 
   const RegionMap& map_;
   const VerifyOptions& options_;
+  const std::vector<int> units_;
+  const Eigen::VectorXd sizes_;
   ProgramOracle oracle_;
   ExactOptimalityCheck arbiter_;
   Eigen::VectorXd u_;
@@ -300,8 +333,9 @@ VerifyReport verify(const RegionMap& map, const ParametricProgram& program, cons
   checkProgram(program);
   requireSameSignals(map, program, tolerance::kSameRange);
 
+  const ScaledProgram scaled = scaleProgram(program);
   const int threads = std::clamp(options.threads, 1, 256);
-  std::vector<Checker> checkers(static_cast<std::size_t>(threads), Checker(map, program, options));
+  std::vector<Checker> checkers(static_cast<std::size_t>(threads), Checker(map, program, scaled, options));
   VerifyReport report;
   const std::uint64_t blocks = (options.samples + kBlock - 1) / kBlock;
   for (std::uint64_t first = 0; first < blocks; first += kRound) {

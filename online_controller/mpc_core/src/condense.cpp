@@ -14,25 +14,22 @@ namespace {
 // From so many free moves on, a parameter of what drifts is told of.
 constexpr std::size_t kManyMoves = 10;
 
-Prediction predict(const MpcProblem& problem, const DiscreteModel& model, const Selectors& selectors) {
+Prediction predict(const MpcProblem& problem, const WideModel& model, const Selectors& selectors) {
   const Eigen::Index nx = model.A.rows();
   const Eigen::Index nu = model.B.cols();
   const std::vector<int> blocks = blockLengths(problem);
-  const bool drifts = !selectors.drift.isZero(0.0);
+  const bool drifts = !rounded(selectors.drift).isZero(0.0);
   Prediction prediction;
-  Eigen::MatrixXd state = Eigen::MatrixXd::Identity(nx, nx);
-  Eigen::MatrixXd input = Eigen::MatrixXd::Zero(nx, static_cast<Eigen::Index>(blocks.size()) * nu);
-  Eigen::MatrixXd drift = Eigen::MatrixXd::Zero(nx, selectors.drift.cols());
+  WideMatrix state = WideMatrix::Identity(nx, nx);
+  WideMatrix input = WideMatrix::Zero(nx, static_cast<Eigen::Index>(blocks.size()) * nu);
+  WideMatrix drift = WideMatrix::Zero(nx, selectors.drift.cols());
   for (std::size_t block = 0; block < blocks.size(); ++block) {
-    auto of_block = input.middleCols(static_cast<Eigen::Index>(block) * nu, nu);
+    const Eigen::Index before = static_cast<Eigen::Index>(block) * nu;
+    auto of_block = input.middleCols(before, nu);
     for (int k = 0; k < blocks[block]; ++k) {
       state = (model.A * state).eval();
-      input = (model.A * input).eval();
-      if (k == 0) {
-        of_block = model.B;
-      } else {
-        of_block += model.B;
-      }
+      input.leftCols(before + nu) = (model.A * input.leftCols(before + nu)).eval();
+      of_block += model.B;
       prediction.state.push_back(state);
       prediction.input.push_back(input);
       if (!drifts) continue;
@@ -43,38 +40,51 @@ Prediction predict(const MpcProblem& problem, const DiscreteModel& model, const 
   return prediction;
 }
 
+WideMatrix wideTerminalWeight(const MpcProblem& problem, const WideModel& model) {
+  return problem.P.size() > 0 ? wide(problem.P)
+                              : wideRiccati(model.A, model.B, wide(problem.Q), wide(problem.R));
+}
+
 /// 1/2 z'Hz + (F theta)'z equals Eq. 4 but for terms without z; hence the factors 2.
-void setCost(const MpcProblem& problem, const DiscreteModel& model, const Prediction& prediction,
-             const Selectors& selectors, ParametricProgram* program) {
+void setCost(const MpcProblem& problem, const WideModel& model, const Prediction& prediction,
+             const Selectors& selectors, WideProgram* numbers) {
   const int N = problem.horizon;
   const std::vector<int> blocks = blockLengths(problem);
   const Eigen::Index nu = problem.inputCount();
   const Eigen::Index n = static_cast<Eigen::Index>(blocks.size()) * nu;
-  const Eigen::MatrixXd P = terminalWeight(problem, model);
-  program->H = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd F_error = Eigen::MatrixXd::Zero(n, problem.stateCount());
-  Eigen::MatrixXd F_drift = Eigen::MatrixXd::Zero(n, selectors.drift.cols());
-  for (int k = 0; k < N; ++k) {
-    const auto stage = static_cast<std::size_t>(k);
-    const Eigen::MatrixXd weighted = (k + 1 < N ? problem.Q : P) * prediction.input[stage];
-    program->H.noalias() += 2.0 * prediction.input[stage].transpose() * weighted;
-    F_error.noalias() += 2.0 * weighted.transpose() * prediction.state[stage];
-    if (!prediction.drift.empty()) F_drift.noalias() += 2.0 * weighted.transpose() * prediction.drift[stage];
+  const DoubleDouble two = 2.0;
+  const WideMatrix P = wideTerminalWeight(problem, model) * two;
+  const WideMatrix Q = wide(problem.Q) * two, R = wide(problem.R) * two,
+                   R_delta = wide(problem.R_delta) * two;
+  numbers->H = WideMatrix::Zero(n, n);
+  WideMatrix F_error = WideMatrix::Zero(n, problem.stateCount());
+  WideMatrix F_drift = WideMatrix::Zero(n, selectors.drift.cols());
+  Eigen::Index moved = 0;  // inputs that have acted so far
+  int k = 0;
+  for (const int length : blocks) {
+    moved += nu;
+    for (const int last = k + length; k < last; ++k) {
+      const auto stage = static_cast<std::size_t>(k);
+      const WideMatrix input = prediction.input[stage].leftCols(moved);
+      const WideMatrix weighted = (k + 1 < N ? Q : P) * input;
+      numbers->H.topLeftCorner(moved, moved) += input.transpose() * weighted;
+      F_error.topRows(moved) += weighted.transpose() * prediction.state[stage];
+      if (!prediction.drift.empty()) F_drift.topRows(moved) += weighted.transpose() * prediction.drift[stage];
+    }
   }
   for (std::size_t block = 0; block < blocks.size(); ++block) {
     const Eigen::Index i = static_cast<Eigen::Index>(block) * nu;
-    program->H.block(i, i, nu, nu) +=
-        2.0 * (static_cast<double>(blocks[block]) * problem.R + problem.R_delta);
+    numbers->H.block(i, i, nu, nu) += R * DoubleDouble(blocks[block]) + R_delta;
     if (block + 1 == blocks.size()) continue;
-    program->H.block(i, i, nu, nu) += 2.0 * problem.R_delta;
-    program->H.block(i, i + nu, nu, nu) -= 2.0 * problem.R_delta;
-    program->H.block(i + nu, i, nu, nu) -= 2.0 * problem.R_delta;
+    numbers->H.block(i, i, nu, nu) += R_delta;
+    numbers->H.block(i, i + nu, nu, nu) -= R_delta;
+    numbers->H.block(i + nu, i, nu, nu) -= R_delta;
   }
-  program->H = (0.5 * (program->H + program->H.transpose())).eval();
-  program->f = Eigen::VectorXd::Zero(n);
-  program->F = F_error * selectors.error;
-  if (!prediction.drift.empty()) program->F += F_drift;
-  program->F.topRows(nu) -= 2.0 * problem.R_delta * selectors.change;
+  numbers->H = ((numbers->H + numbers->H.transpose()) * DoubleDouble(0.5)).eval();
+  numbers->f = WideMatrix::Zero(n, 1);
+  numbers->F = F_error * selectors.error;
+  if (!prediction.drift.empty()) numbers->F += F_drift;
+  numbers->F.topRows(nu) -= R_delta * selectors.change;
 }
 
 // Where the input cannot hold its reference, bounds are active at many steps, in very many combinations.
@@ -126,16 +136,30 @@ Eigen::VectorXd fixedValues(const MpcProblem& problem) {
 }
 
 /// Puts values in place of the last parameters.
-void fixLastParameters(const Eigen::VectorXd& values, ParametricProgram* program) {
+void fixLastParameters(const Eigen::VectorXd& values, WideProgram* numbers) {
   const Eigen::Index fixed = values.size();
   if (fixed == 0) return;
-  const Eigen::Index p = program->F.cols() - fixed;
-  program->f += program->F.rightCols(fixed) * values;
-  program->b += program->S.rightCols(fixed) * values;
-  program->b_theta -= program->A_theta.rightCols(fixed) * values;
-  program->c += program->C.rightCols(fixed) * values;
-  for (Eigen::MatrixXd* matrix : {&program->F, &program->S, &program->A_theta, &program->C})
+  const Eigen::Index p = numbers->F.cols() - fixed;
+  const WideMatrix at = wide(values);
+  numbers->f += numbers->F.rightCols(fixed) * at;
+  numbers->b += numbers->S.rightCols(fixed) * at;
+  numbers->b_theta -= numbers->A_theta.rightCols(fixed) * at;
+  numbers->c += numbers->C.rightCols(fixed) * at;
+  for (WideMatrix* matrix : {&numbers->F, &numbers->S, &numbers->A_theta, &numbers->C})
     matrix->conservativeResize(Eigen::NoChange, p);
+}
+
+void setRounded(const WideProgram& numbers, ParametricProgram* program) {
+  program->H = rounded(numbers.H);
+  program->f = rounded(numbers.f);
+  program->F = rounded(numbers.F);
+  program->A = rounded(numbers.A);
+  program->b = rounded(numbers.b);
+  program->S = rounded(numbers.S);
+  program->A_theta = rounded(numbers.A_theta);
+  program->b_theta = rounded(numbers.b_theta);
+  program->C = rounded(numbers.C);
+  program->c = rounded(numbers.c);
 }
 
 }  // namespace
@@ -150,7 +174,7 @@ Eigen::MatrixXd terminalWeight(const MpcProblem& problem, const DiscreteModel& m
 }
 
 ParametricProgram condense(const MpcProblem& problem) {
-  const DiscreteModel model = discretise(problem, problem.sampling_time);
+  const WideModel model = wideModel(problem, problem.sampling_time);
   const MpcProblem all = withFixedAsParameters(problem);
   const Selectors selectors = selectorsOf(all, model);
   const Prediction prediction = predict(all, model, selectors);
@@ -159,31 +183,34 @@ ParametricProgram condense(const MpcProblem& problem) {
   program.text = problem.text;
   program.text_kind = "yaml";
   program.period = problem.sampling_time;
-  setCost(all, model, prediction, selectors, &program);
-  setRows(all, prediction, selectors, &program);
+  WideProgram numbers;
+  setCost(all, model, prediction, selectors, &numbers);
+  setRows(all, prediction, selectors, &numbers, &program);
   for (const MpcProblem::Parameter& parameter : problem.parameters)
     program.parameters.push_back(parameter.signal);
   program.inputs = problem.inputs;
   const Eigen::Index nu = problem.inputCount();
+  numbers.C = selectors.reference;
+  numbers.c = WideMatrix::Zero(nu, 1);
+  fixLastParameters(fixedValues(problem), &numbers);
+  setRounded(numbers, &program);
   program.E = Eigen::MatrixXd::Identity(nu, program.H.rows());
-  program.C = selectors.reference;
-  program.c = Eigen::VectorXd::Zero(nu);
-  fixLastParameters(fixedValues(problem), &program);
   program.remarks = remarksOn(problem);
   for (std::string& remark : remarksOnDrift(problem)) program.remarks.push_back(std::move(remark));
   checkProgram(program);
+  requireSmallRounding(problem, prediction, numbers, program);
   return program;
 }
 
 Eigen::MatrixXd costAtZero(const MpcProblem& problem) {
-  const DiscreteModel model = discretise(problem, problem.sampling_time);
+  const WideModel model = wideModel(problem, problem.sampling_time);
   const MpcProblem all = withFixedAsParameters(problem);
   const Selectors selectors = selectorsOf(all, model);
-  const Eigen::MatrixXd P = terminalWeight(problem, model);
-  Eigen::MatrixXd errors = selectors.error;
-  Eigen::MatrixXd cost = selectors.change.transpose() * problem.R_delta * selectors.change;
+  const WideMatrix P = wideTerminalWeight(problem, model), Q = wide(problem.Q);
+  WideMatrix errors = selectors.error;
+  WideMatrix cost = selectors.change.transpose() * wide(problem.R_delta) * selectors.change;
   for (int k = 0; k < problem.horizon; ++k) {
-    cost += errors.transpose() * problem.Q * errors;
+    cost += errors.transpose() * Q * errors;
     errors = (model.A * errors + selectors.drift).eval();
   }
   cost += errors.transpose() * P * errors;
@@ -192,7 +219,7 @@ Eigen::MatrixXd costAtZero(const MpcProblem& problem) {
   Eigen::MatrixXd values = Eigen::MatrixXd::Zero(errors.cols(), p + 1);
   values.topLeftCorner(p, p).setIdentity();
   values.bottomRightCorner(errors.cols() - p, 1) = fixedValues(problem);
-  return values.transpose() * cost * values;
+  return values.transpose() * rounded(cost) * values;
 }
 
 }  // namespace polyfly

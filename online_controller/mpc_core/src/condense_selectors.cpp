@@ -50,43 +50,43 @@ Columns columnsOf(const MpcProblem& problem) {
 }
 
 /// x_ref and u_ref as Eq. 6 has them for the columns of r and d.
-void setSteadyState(const MpcProblem& problem, const DiscreteModel& model, const Columns& columns,
+void setSteadyState(const MpcProblem& problem, const WideModel& model, const Columns& columns,
                     Selectors* selectors) {
-  selectors->state = Eigen::MatrixXd::Zero(problem.stateCount(), columns.state.cols());
-  selectors->reference = Eigen::MatrixXd::Zero(problem.inputCount(), columns.state.cols());
+  selectors->state = WideMatrix::Zero(problem.stateCount(), columns.state.cols());
+  selectors->reference = WideMatrix::Zero(problem.inputCount(), columns.state.cols());
   for (Eigen::Index j = 0; j < columns.state.cols(); ++j) {
     if (columns.disturbance.col(j).isZero(0.0) && columns.reference.col(j).isZero(0.0)) continue;
-    const SteadyState steady =
-        steadyState(model, problem.C, columns.disturbance.col(j), columns.reference.col(j));
-    selectors->state.col(j) = steady.x;
-    selectors->reference.col(j) = steady.u;
+    const WideMatrix steady =
+        wideSteadyState(model, problem.C, columns.disturbance.col(j), columns.reference.col(j));
+    selectors->state.col(j) = steady.topRows(problem.stateCount());
+    selectors->reference.col(j) = steady.bottomRows(problem.inputCount());
   }
 }
 
 }  // namespace
 
-Selectors selectorsOf(const MpcProblem& problem, const DiscreteModel& model) {
+Selectors selectorsOf(const MpcProblem& problem, const WideModel& model) {
   const Columns columns = columnsOf(problem);
   const bool absolute = !columns.state.isZero(0.0);
   Selectors selectors;
-  selectors.drift = Eigen::MatrixXd::Zero(problem.stateCount(), columns.state.cols());
+  selectors.drift = WideMatrix::Zero(problem.stateCount(), columns.state.cols());
   if (absolute) {
     setSteadyState(problem, model, columns, &selectors);
-    selectors.error = columns.state - selectors.state;
+    selectors.error = wide(columns.state) - selectors.state;
   } else {
-    selectors.error = columns.error;
-    selectors.state = columns.state_reference;
-    selectors.reference = columns.input_reference;
-    if (columns.disturbance.rows() > 0) selectors.drift = model.Bd * columns.disturbance;
+    selectors.error = wide(columns.error);
+    selectors.state = wide(columns.state_reference);
+    selectors.reference = wide(columns.input_reference);
+    if (columns.disturbance.rows() > 0) selectors.drift = model.Bd * wide(columns.disturbance);
   }
   // Without a previous input, u_{-1} := u_ref, so that the first change is u~_0 itself.
   const Eigen::Index nu = problem.inputCount();
-  selectors.change = Eigen::MatrixXd::Zero(nu, columns.state.cols());
+  selectors.change = WideMatrix::Zero(nu, columns.state.cols());
   selectors.has_previous.assign(static_cast<std::size_t>(nu), 0);
   for (Eigen::Index i = 0; i < nu; ++i) {
     if (columns.previous.row(i).isZero(0.0)) continue;
     selectors.has_previous[static_cast<std::size_t>(i)] = 1;
-    selectors.change.row(i) = columns.previous.row(i) - selectors.reference.row(i);
+    selectors.change.row(i) = wide(columns.previous.row(i)) - selectors.reference.row(i);
   }
   return selectors;
 }

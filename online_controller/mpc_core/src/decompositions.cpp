@@ -18,19 +18,33 @@ OrthogonalFactors orthogonalFactors(const Eigen::MatrixXd& A) {
   return {qr.householderQ(), qr.matrixQR().topRows(A.cols())};
 }
 
-PivotedQr::PivotedQr(const Eigen::MatrixXd& A, double threshold) : qr_(A) { qr_.setThreshold(threshold); }
+// Eigen does not factorise a matrix without columns.
+PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : rows_(A.rows()), columns_(A.cols()) {
+  if (!isEmpty()) qr_.compute(A);
+}
 
-PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : qr_(A) {}
+PivotedQr::PivotedQr(const Eigen::MatrixXd& A, double threshold) : PivotedQr(A) {
+  qr_.setThreshold(threshold);
+}
 
-Eigen::Index PivotedQr::rank() const { return qr_.rank(); }
+Eigen::Index PivotedQr::rank() const { return isEmpty() ? 0 : qr_.rank(); }
 
-Eigen::MatrixXd PivotedQr::Q() const { return qr_.householderQ(); }
+Eigen::MatrixXd PivotedQr::Q() const {
+  if (isEmpty()) return Eigen::MatrixXd::Identity(rows_, rows_);
+  return qr_.householderQ();
+}
 
 Eigen::Index PivotedQr::column(Eigen::Index place) const { return qr_.colsPermutation().indices()(place); }
 
-Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& b) const { return qr_.solve(b); }
+Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& b) const {
+  if (isEmpty()) return Eigen::VectorXd::Zero(columns_);
+  return qr_.solve(b);
+}
 
-Eigen::MatrixXd PivotedQr::solve(const Eigen::MatrixXd& b) const { return qr_.solve(b); }
+Eigen::MatrixXd PivotedQr::solve(const Eigen::MatrixXd& b) const {
+  if (isEmpty()) return Eigen::MatrixXd::Zero(columns_, b.cols());
+  return qr_.solve(b);
+}
 
 ShortestLeastSquares::ShortestLeastSquares(const Eigen::MatrixXd& A, double threshold) {
   factor_.setThreshold(threshold);

@@ -1,10 +1,10 @@
-#include <Eigen/Cholesky>
+#include "linear_system.hpp"
+
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <string>
 
-#include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -32,16 +32,20 @@ constexpr double kSingularTolerance = 1e-12;
 
 double norm(const Eigen::MatrixXd& matrix) { return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff(); }
 
+double wideNorm(const WideMatrix& matrix) { return norm(rounded(matrix)); }
+
 /// exp(M) by scaling to a norm of at most 1/2, a Taylor series to rounding, and squaring.
-Eigen::MatrixXd exponential(const Eigen::MatrixXd& matrix) {
-  constexpr int kTerms = 18;  // 0.5^19 / 19! is below 1e-22
-  const double length = matrix.cwiseAbs().rowwise().sum().maxCoeff();
-  if (!std::isfinite(length)) return Eigen::MatrixXd::Constant(matrix.rows(), matrix.cols(), length);
+template <typename Matrix>
+Matrix exponential(const Matrix& matrix) {
+  using Scalar = typename Matrix::Scalar;
+  constexpr int kTerms = 26;  // 0.5^27 / 27! is below 1e-36
+  const double length = matrix.template cast<double>().cwiseAbs().rowwise().sum().maxCoeff();
+  if (!std::isfinite(length)) return Matrix::Constant(matrix.rows(), matrix.cols(), Scalar(length));
   const int squarings = length > 0.5 ? static_cast<int>(std::ceil(std::log2(length))) + 1 : 0;
-  const Eigen::MatrixXd scaled = matrix * std::ldexp(1.0, -squarings);
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
-  Eigen::MatrixXd result = identity;
-  for (int k = kTerms; k >= 1; --k) result = (identity + scaled * result / k).eval();
+  const Matrix scaled = matrix * Scalar(std::ldexp(1.0, -squarings));
+  const Matrix identity = Matrix::Identity(matrix.rows(), matrix.cols());
+  Matrix result = identity;
+  for (int k = kTerms; k >= 1; --k) result = (identity + scaled * result / Scalar(k)).eval();
   for (int k = 0; k < squarings; ++k) result = (result * result).eval();
   return result;
 }
@@ -107,22 +111,23 @@ bool isStable(Eigen::MatrixXd matrix) {
 
 }  // namespace
 
-DiscreteModel discretise(const MpcProblem& problem, double period) {
+WideModel wideModel(const MpcProblem& problem, double period) {
   if (!(period > 0.0)) throw Error(problem.source + ": period: must be greater than 0");
   if (problem.discrete) {
-    if (period == problem.sampling_time) return {problem.A_c, problem.B_c, problem.Bd_c, period};
-    return discretise(continuousModel(problem), period);
+    if (period == problem.sampling_time) return {wide(problem.A_c), wide(problem.B_c), wide(problem.Bd_c)};
+    return wideModel(continuousModel(problem), period);
   }
   const Eigen::Index nx = problem.A_c.rows();
   const Eigen::Index nu = problem.B_c.cols();
-  const Eigen::MatrixXd map = exponential(augmentedModel(problem) * period);
-  if (!map.allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
-  DiscreteModel model;
-  model.A = map.topLeftCorner(nx, nx);
-  model.B = map.block(0, nx, nx, nu);
-  model.Bd = map.block(0, nx + nu, nx, problem.Bd_c.cols());
-  model.period = period;
-  return model;
+  const WideMatrix map = exponential<WideMatrix>(wide(augmentedModel(problem)) * DoubleDouble(period));
+  if (!rounded(map).allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
+  return {map.topLeftCorner(nx, nx), map.block(0, nx, nx, nu),
+          map.block(0, nx + nu, nx, problem.Bd_c.cols())};
+}
+
+DiscreteModel discretise(const MpcProblem& problem, double period) {
+  const WideModel model = wideModel(problem, period);
+  return {rounded(model.A), rounded(model.B), rounded(model.Bd), period};
 }
 
 MpcProblem continuousModel(const MpcProblem& problem) {
@@ -147,67 +152,79 @@ MpcProblem continuousModel(const MpcProblem& problem) {
   return result;
 }
 
-Eigen::MatrixXd solveRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
-                             const Eigen::MatrixXd& R) {
+WideMatrix wideRiccati(const WideMatrix& A, const WideMatrix& B, const WideMatrix& Q, const WideMatrix& R) {
   const Eigen::Index n = A.rows();
   const bool sizes = n > 0 && A.cols() == n && B.rows() == n && B.cols() > 0 && Q.rows() == n &&
                      Q.cols() == n && R.rows() == B.cols() && R.cols() == B.cols();
   if (!sizes) throw Error("Riccati equation: sizes of A, B, Q, R must agree");
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
-  // Structured doubling: P_k is the cost of 2^k periods, so that it converges quadratically.
-  Eigen::MatrixXd A_k = A;
-  Eigen::MatrixXd G_k = B * R.ldlt().solve(B.transpose());
-  Eigen::MatrixXd P = Q;
+  using Factors = Eigen::PartialPivLU<WideMatrix>;
+  const DoubleDouble half = 0.5;
+  const WideMatrix identity = WideMatrix::Identity(n, n);
+  // Structured doubling: P_k is the cost of 2^k periods, so that it converges quadratically. The last change is of the
+  // order of the root of what is left.
+  WideMatrix A_k = A;
+  WideMatrix G_k = B * Factors(R).solve(B.transpose());
+  WideMatrix P = Q;
   bool converged = false;
   for (int k = 0; k < kMaxDoublings && !converged; ++k) {
-    const Eigen::PartialPivLU<Eigen::MatrixXd> W(identity + G_k * P);
-    const Eigen::MatrixXd solved_a = W.solve(A_k);
-    const Eigen::MatrixXd solved_g = W.solve(G_k);
-    const Eigen::MatrixXd change = A_k.transpose() * P * solved_a;
-    const Eigen::MatrixXd G_change = A_k * solved_g * A_k.transpose();
+    const Factors W(identity + G_k * P);
+    const WideMatrix solved_a = W.solve(A_k);
+    const WideMatrix solved_g = W.solve(G_k);
+    const WideMatrix change = A_k.transpose() * P * solved_a;
+    const WideMatrix G_change = A_k * solved_g * A_k.transpose();
     A_k = (A_k * solved_a).eval();
-    G_k += 0.5 * (G_change + G_change.transpose());
-    P += 0.5 * (change + change.transpose());
-    if (!P.allFinite()) break;
-    converged = norm(change) <= kStepTolerance * norm(P);
+    G_k += half * (G_change + G_change.transpose());
+    P += half * (change + change.transpose());
+    if (!rounded(P).allFinite()) break;
+    converged = wideNorm(change) <= kStepTolerance * wideNorm(P);
   }
   const std::string hint = "; (A, B) must be stabilisable and (A, Q) detectable";
   if (!converged) throw Error("Riccati equation: no convergence" + hint);
-  const Eigen::MatrixXd S = R + B.transpose() * P * B;
-  const Eigen::MatrixXd K = S.ldlt().solve(B.transpose() * P * A);
-  const Eigen::MatrixXd residual = A.transpose() * P * A - A.transpose() * P * B * K + Q - P;
-  if (!(norm(residual) <= kResidualTolerance * norm(P)))
+  const WideMatrix K = Factors(R + B.transpose() * P * B).solve(B.transpose() * P * A);
+  const WideMatrix residual = A.transpose() * P * A - A.transpose() * P * B * K + Q - P;
+  if (!(wideNorm(residual) <= kResidualTolerance * wideNorm(P)))
     throw Error("Riccati equation: residual too large" + hint);
-  if (!isStable(A - B * K)) throw Error("Riccati equation: solution does not stabilise" + hint);
+  if (!isStable(rounded(A - B * K))) throw Error("Riccati equation: solution does not stabilise" + hint);
   return P;
+}
+
+Eigen::MatrixXd solveRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
+                             const Eigen::MatrixXd& R) {
+  return rounded(wideRiccati(wide(A), wide(B), wide(Q), wide(R)));
 }
 
 SteadyState steadyState(const DiscreteModel& model, const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
                         const Eigen::VectorXd& r) {
+  const WideMatrix solution = wideSteadyState({wide(model.A), wide(model.B), wide(model.Bd)}, C, d, r);
+  const Eigen::Index nx = model.A.rows();
+  return {rounded(solution.topRows(nx)), rounded(solution.bottomRows(solution.rows() - nx))};
+}
+
+WideMatrix wideSteadyState(const WideModel& model, const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
+                           const Eigen::VectorXd& r) {
   const Eigen::Index nx = model.A.rows();
   const Eigen::Index nu = model.B.cols();
   if (C.rows() != nu || C.cols() != nx || d.size() != model.Bd.cols() || r.size() != C.rows()) {
     throw Error("steady state: sizes of A, B, C, d, r must agree, with as many outputs as inputs");
   }
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(nx + nu, nx + nu);
-  matrix.topLeftCorner(nx, nx) = model.A - Eigen::MatrixXd::Identity(nx, nx);
+  WideMatrix matrix = WideMatrix::Zero(nx + nu, nx + nu);
+  matrix.topLeftCorner(nx, nx) = model.A - WideMatrix::Identity(nx, nx);
   matrix.topRightCorner(nx, nu) = model.B;
-  matrix.bottomLeftCorner(nu, nx) = C;
-  Eigen::VectorXd right(nx + nu);
-  right << -(model.Bd * d), r;
+  matrix.bottomLeftCorner(nu, nx) = wide(C);
+  WideMatrix right(nx + nu, 1);
+  right << -(model.Bd * wide(d)), wide(r);
   // Rows differ by the sampling time and by units: scale them, so that the rank test sees the structure.
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-    const double scale = matrix.row(row).cwiseAbs().maxCoeff();
+    const double scale = wideNorm(matrix.row(row));
     if (scale > 0.0) {
-      matrix.row(row) /= scale;
+      matrix.row(row) /= DoubleDouble(scale);
       right(row) /= scale;
     }
   }
-  Eigen::FullPivLU<Eigen::MatrixXd> lu(matrix);
+  Eigen::FullPivLU<WideMatrix> lu(matrix);
   lu.setThreshold(kSingularTolerance);
   if (!lu.isInvertible()) throw Error("steady state: [A-I B; C 0] (Eq. 6) must be invertible");
-  const Eigen::VectorXd solution = lu.solve(right);
-  return SteadyState{solution.head(nx), solution.tail(nu)};
+  return lu.solve(right);
 }
 
 }  // namespace polyfly

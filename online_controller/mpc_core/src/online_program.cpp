@@ -4,12 +4,15 @@
 #include <limits>
 #include <utility>
 
+#include "mpc_core/identity_form.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
+// Root of the condition up to which doubles solve the program as it is: they lose no more than half of their digits.
+constexpr double kRootCondition = 1e4;
 
 /// Index of the one entry of a row that is not 0; -1 if there are none or several.
 int singleEntry(const Eigen::MatrixXd& A, Eigen::Index row) {
@@ -30,21 +33,44 @@ int generalRows(const ParametricProgram& program) {
 
 }  // namespace
 
+std::optional<OnlineProgram::Transformed> OnlineProgram::transform(const ParametricProgram& program) {
+  const std::optional<IdentityForm> form = identityForm(affineProgram(program));
+  if (!form) throw Error(program.name + ": H: must be positive definite to be solved online");
+  if (form->root_condition <= kRootCondition) return std::nullopt;
+  const Eigen::Index n = program.variableCount();
+  const auto L = form->root.triangularView<Eigen::Lower>();
+  const WideMatrix inverse = L.solve(WideMatrix::Identity(n, n));
+  const WideMatrix cost = affineProgram(program).cost;
+  return Transformed{rounded(form->rows), rounded(form->slack), rounded(inverse),
+                     rounded(-(inverse.transpose() * (inverse * cost)))};
+}
+
 OnlineProgram::OnlineProgram(ParametricProgram program)
-    : program_(std::move(program)), qp_(program_.variableCount(), generalRows(program_)) {
-  if (!qp_.setConstantHessian(program_.H.data())) {
+    : program_(std::move(program)),
+      transformed_(transform(program_)),
+      qp_(program_.variableCount(), transformed_ ? program_.rowCount() : generalRows(program_)) {
+  const Eigen::MatrixXd identity =
+      Eigen::MatrixXd::Identity(program_.variableCount(), program_.variableCount());
+  if (!qp_.setConstantHessian((transformed_ ? identity : program_.H).data()))
     throw Error(program_.name + ": H: must be positive definite to be solved online");
-  }
   is_equality_.assign(static_cast<std::size_t>(program_.rowCount()), 0);
   for (const int row : program_.equalities) is_equality_.at(static_cast<std::size_t>(row)) = 1;
   sortRows();
   g_ = Eigen::VectorXd::Zero(program_.variableCount());
   lower_ = upper_ = g_;
   b_ = Eigen::VectorXd::Zero(program_.rowCount());
+  z_ = g_;
+  affine_ = Eigen::VectorXd::Ones(program_.parameterCount() + 1);
   row_lower_ = row_upper_ = Eigen::VectorXd::Zero(qp_.rowCount());
 }
 
 void OnlineProgram::sortRows() {
+  for (Eigen::Index j = 0; j < program_.S.cols(); ++j)
+    if (!program_.S.col(j).isZero(0.0)) moving_.push_back(j);
+  if (transformed_) {
+    qp_.setRows(transformed_->rows.data());
+    return;
+  }
   Eigen::MatrixXd general(qp_.rowCount(), program_.variableCount());
   for (int i = 0; i < program_.rowCount(); ++i) {
     const int variable = singleEntry(program_.A, i);
@@ -59,8 +85,6 @@ void OnlineProgram::sortRows() {
     }
   }
   qp_.setRows(general.data());
-  for (Eigen::Index j = 0; j < program_.S.cols(); ++j)
-    if (!program_.S.col(j).isZero(0.0)) moving_.push_back(j);
 }
 
 void OnlineProgram::setBounds(const double* theta) noexcept {
@@ -80,22 +104,48 @@ void OnlineProgram::setBounds(const double* theta) noexcept {
   }
 }
 
-QpStatus OnlineProgram::solve(const double* theta, double* u, const double* more) noexcept {
-  const Eigen::Map<const Eigen::VectorXd> parameters(theta, program_.parameterCount());
+QpStatus OnlineProgram::solveGiven(const double* theta, const double* more) noexcept {
   setBounds(theta);
   g_ = program_.f;
-  g_.noalias() += program_.F * parameters;
+  g_.noalias() += program_.F * affine_.head(program_.parameterCount());
   if (more != nullptr) g_ += Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
   const QpStatus status =
       qp_.solve({g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()},
                 warm_ ? qp_.activeSet() : nullptr);
+  if (status == QpStatus::kOptimal) z_ = Eigen::Map<const Eigen::VectorXd>(qp_.x(), program_.variableCount());
+  return status;
+}
+
+QpStatus OnlineProgram::solveTransformed(const double* more) noexcept {
+  row_upper_.noalias() = transformed_->slack * affine_;
+  row_lower_.setConstant(-kNoBound);
+  for (const int row : program_.equalities) row_lower_(row) = row_upper_(row);
+  lower_.setConstant(-kNoBound);
+  upper_.setConstant(kNoBound);
+  g_.setZero();
+  if (more != nullptr)
+    g_.noalias() +=
+        transformed_->inverse_root * Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
+  const QpStatus status =
+      qp_.solve({g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()},
+                warm_ ? qp_.activeSet() : nullptr);
+  if (status != QpStatus::kOptimal) return status;
+  z_.noalias() = transformed_->free * affine_;
+  z_.noalias() += transformed_->inverse_root.transpose() *
+                  Eigen::Map<const Eigen::VectorXd>(qp_.x(), program_.variableCount());
+  return status;
+}
+
+QpStatus OnlineProgram::solve(const double* theta, double* u, const double* more) noexcept {
+  const Eigen::Index p = program_.parameterCount();
+  affine_.head(p) = Eigen::Map<const Eigen::VectorXd>(theta, p);
+  const QpStatus status = transformed_ ? solveTransformed(more) : solveGiven(theta, more);
   warm_ = status == QpStatus::kOptimal;
   if (!warm_) return status;
-  const Eigen::Map<const Eigen::VectorXd> z(qp_.x(), program_.variableCount());
   Eigen::Map<Eigen::VectorXd> output(u, program_.inputCount());
   output = program_.c;
-  output.noalias() += program_.E * z;
-  output.noalias() += program_.C * parameters;
+  output.noalias() += program_.E * z_;
+  output.noalias() += program_.C * affine_.head(p);
   return status;
 }
 

@@ -22,12 +22,23 @@ Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double s
   return probe;
 }
 
+/// The active set of the optimum at t, which its region holds, if doubles find one; otherwise the last that was tried.
+/// Where H is zero, |z|^2 has to weigh so little that the cost comes first, but rounding not at all.
+bool optimalSetAt(const NormalisedProgram& program, RegionWorkspace& worker, const Eigen::VectorXd& t,
+                  ActiveSet& active) {
+  for (const double weight : tolerance::kLinearStarts) {
+    if (!activeSetAt(program, worker.qp, t, 0.0, weight, active)) return false;
+    if (!program.linear || worker.builder.holds(active, t.data(), tolerance::kHeldProbe)) break;
+  }
+  return true;
+}
+
 /// A degenerate facet and its candidates, neighbours `begin` to `end` - 1, of which one must hold a point
 /// just across it. Where none does so clearly, a program of its own finds the active set there, which joins
 /// them.
 void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const DegenerateFacet& degenerate,
                 RegionResult& out) {
-  const double widen = program.linear ? tolerance::kLinearProbe : 1.0;
+  const double widen = program.linear && !program.constantCost() ? tolerance::kLinearProbe : 1.0;
   const Facet& facet = out.region.facets[degenerate.facet];
   const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * tolerance::kProbeStep);
   const auto held = [&](double tolerance) {
@@ -40,10 +51,10 @@ void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const
   if (held(-tolerance::kClearlyInside)) return;
   ActiveSet active;
   // A probe without an active set lies at the edge of the feasible set.
-  if (!activeSetAt(program, worker.qp, probe, widen * tolerance::kProbeEdge, tolerance::kActiveMultiplier,
+  if (!activeSetAt(program, worker.qp, probe, widen * tolerance::kProbeEdge, tolerance::kLinearStarts[0],
                    active))
     return;
-  if (!activeSetAt(program, worker.qp, probe, 0.0, tolerance::kActiveMultiplier, active)) return;
+  if (!optimalSetAt(program, worker, probe, active)) return;
   out.addNeighbour(active, degenerate.facet);
   if (held(tolerance::kHeldProbe) || worker.builder.holds(active, probe.data(), tolerance::kHeldProbe))
     return;
@@ -63,17 +74,7 @@ void addAround(RegionWorkspace& worker, const ActiveSet& active, RegionResult& o
     worker.builder.neighbours(active, out.region, facet, out.neighbours);
 }
 
-/// Of a program whose H is singular: the regions behind each facet.
-void findBehindFacets(RegionWorkspace& worker, const ActiveSet& active, RegionResult& out) {
-  for (const Facet& facet : out.region.facets) {
-    worker.sets.clear();
-    if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kBoundary) continue;
-    worker.behind->find(facet, out.region, worker.sets, out.neighbours, out.unresolved);
-    ++out.degenerate_facets;
-  }
-}
-
-/// Of a program whose H is not. Degenerate facets come after all others: a probe overwrites the builder's
+/// The regions behind each facet. Degenerate facets come after all others: a probe overwrites the builder's
 /// rows.
 void crossFacets(const NormalisedProgram& program, RegionWorkspace& worker, const ActiveSet& active,
                  RegionResult& out) {
@@ -116,11 +117,7 @@ void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, co
   out.status = worker.builder.build(active, out.region);
   switch (out.status) {
     case BuildStatus::kRegion:
-      if (program.semidefinite) {
-        findBehindFacets(worker, active, out);
-      } else {
-        crossFacets(program, worker, active, out);
-      }
+      crossFacets(program, worker, active, out);
       break;
     case BuildStatus::kLowerDimensional:
       addAround(worker, active, out);
@@ -138,8 +135,6 @@ void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, co
 
 bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,
                ActiveSet& active) {
-  // Where H is singular, multipliers are as small as the multiple of the identity that is added to H.
-  const double least = program.semidefinite ? 0.0 : tolerance::kActiveMultiplier;
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   Region region;
@@ -150,7 +145,7 @@ bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, 
       const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
       t(j) += spread * (2.0 * unit - 1.0);
     }
-    if (!activeSetAt(program, worker.qp, t, 0.0, least, active)) continue;
+    if (!optimalSetAt(program, worker, t, active)) continue;
     if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
   }
   return false;

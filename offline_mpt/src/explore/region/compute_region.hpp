@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "explore/region/facet_neighbours.hpp"
 #include "explore/region/region_builder.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/explore_options.hpp"
@@ -17,7 +16,7 @@ struct RegionResult {
   BuildStatus status = BuildStatus::kEmptyInterior;
   Region region;
   ActiveSetList neighbours;
-  /// Facet of each neighbour, for a strictly convex program.
+  /// Facet of each neighbour.
   std::vector<std::uint32_t> behind;
   /// Probes (p numbers each) that no candidate of their facet holds.
   std::vector<double> unresolved;
@@ -39,17 +38,13 @@ struct DegenerateFacet {
 /// The work space of one thread for computeRegion.
 struct RegionWorkspace {
   RegionWorkspace(const NormalisedProgram& program, const ExploreOptions& options)
-      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {
-    if (program.semidefinite) behind.emplace(program, options.facet_tolerance, options.radius_tolerance);
-  }
+      : builder(program, options.facet_tolerance, options.radius_tolerance),
+        qp(Eigen::MatrixXd::Identity(program.n, program.n), program.M) {}
 
-  unsigned long long pivots() const { return builder.pivots() + (behind ? behind->pivots() : 0); }
+  unsigned long long pivots() const { return builder.pivots(); }
 
   RegionBuilder builder;
   DenseQp qp;
-  /// Present if H is singular and not zero.
-  std::optional<FacetNeighbours> behind;
-  ActiveSetList sets;
   ActiveSet candidate;
   std::vector<DegenerateFacet> degenerate;
 };

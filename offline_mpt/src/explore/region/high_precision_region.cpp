@@ -7,9 +7,7 @@ namespace polyfly {
 KktSolver::Outcome HighPrecisionRegionSolver::solve(const ActiveSet& active) {
   if (!long_) long_.emplace(reduced_);
   is_long_ = long_->solve(active);
-  if (is_long_ || exact_.solve(active)) return Outcome::kSolved;
-  // By the set's own fault, not the program's.
-  return reduced_.semidefinite && exact_.usable() ? Outcome::kNoOptimum : Outcome::kDependent;
+  return is_long_ || exact_.solve(active) ? Outcome::kSolved : Outcome::kDependent;
 }
 
 void HighPrecisionRegionSolver::multiplier(std::size_t place, double* affine) const {

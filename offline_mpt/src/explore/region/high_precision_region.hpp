@@ -16,8 +16,7 @@ class HighPrecisionRegionSolver final : public KktSolver {
  public:
   explicit HighPrecisionRegionSolver(const NormalisedProgram& reduced) : reduced_(reduced), exact_(reduced) {}
 
-  /// kDependent also where the program's equalities hold up to rounding only. kNoOptimum, which only programs of
-  /// singular and nonzero H have: doubles that find a solution are wrong.
+  /// kDependent also where the program's equalities hold up to rounding only.
   Outcome solve(const ActiveSet& active) override;
   bool isDoubtful() const override { return false; }
   void multiplier(std::size_t place, double* affine) const override;

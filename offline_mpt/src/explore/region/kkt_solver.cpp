@@ -2,14 +2,12 @@
 
 #include "explore/region/convex_kkt.hpp"
 #include "explore/region/linear_kkt.hpp"
-#include "explore/region/shortest_optimum.hpp"
 
 namespace polyfly {
 
 std::unique_ptr<ProgramKktSolver> makeKktSolver(const NormalisedProgram& program, const RowTables& tables,
                                                 const RowFactor& factor) {
   if (program.linear) return std::make_unique<LinearKktSolver>(program, tables, factor);
-  if (program.semidefinite) return std::make_unique<ShortestOptimum>(program);
   return std::make_unique<ConvexKktSolver>(program, tables, factor);
 }
 

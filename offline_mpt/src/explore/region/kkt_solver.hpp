@@ -33,7 +33,7 @@ class KktSolver {
 
   /// Multiplier of active row `place`, in the order given.
   virtual void multiplier(std::size_t place, double* affine) const = 0;
-  /// Where H is singular: what the cost asks of active row `place`.
+  /// Where H is zero: what the cost asks of active row `place`.
   virtual void costMultiplier(std::size_t place, double* affine) const = 0;
   /// Slack of row `row` of the program, which is not active.
   virtual void slack(int row, double* affine) const = 0;

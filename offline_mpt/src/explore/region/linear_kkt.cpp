@@ -12,7 +12,7 @@ LinearKktSolver::LinearKktSolver(const NormalisedProgram& program, const RowTabl
                                  const RowFactor& factor)
     : ConvexKktSolver(program, tables, factor),
       scale_(program.cost.lpNorm<Eigen::Infinity>()),
-      constant_costs_((program.cost.leftCols(program.p).array() == 0.0).all()) {}
+      constant_costs_(program.constantCost()) {}
 
 KktSolver::Outcome LinearKktSolver::solve(const ActiveSet& active) {
   ConvexKktSolver::solve(active);

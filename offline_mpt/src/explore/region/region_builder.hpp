@@ -89,7 +89,7 @@ class RegionBuilder {
   Crossing neighbours(const ActiveSet& active, const Region& region, const Facet& facet, ActiveSetList& sets);
 
   /// Whether t satisfies all rows of the region of `active` but for `tolerance` (negative: with so much to
-  /// spare); false where the active rows are dependent. Not for programs whose H is singular and not zero.
+  /// spare); false where the active rows are dependent.
   bool holds(const ActiveSet& active, const double* t, double tolerance);
 
   unsigned long long pivots() const { return solver_.pivots(); }
@@ -145,7 +145,7 @@ class RegionBuilder {
   // Which of the two solved the set.
   const KktSolver* kkt_;
   std::vector<double> multipliers_;  // k x (p + 1)
-  // Where H is singular, in the layout of multipliers_.
+  // Where H is zero, in the layout of multipliers_.
   std::vector<double> cost_multipliers_;
   // Greatest entry of multipliers_.
   double size_ = 0.0;

@@ -2,19 +2,21 @@
 
 #include <algorithm>
 
+#include "explore/region/tolerances.hpp"
+
 namespace polyfly {
 
 bool activeSetAt(const NormalisedProgram& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
-                 double least, ActiveSet& active) {
+                 double weight, ActiveSet& active) {
   Eigen::VectorXd t1(program.p + 1);
   t1 << t, 1.0;
-  const Eigen::VectorXd g = program.F * t1;
-  const Eigen::VectorXd b = program.S * t1 - margin * program.length;
+  const Eigen::VectorXd g = program.cost * t1 / weight;
+  const Eigen::VectorXd b = (program.D * t1).array() - margin;
   if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
   active.clear();
   for (int k = 0; k < qp.activeCount(); ++k) {
     const int row = qp.activeRows()[k];
-    if (qp.lambda()(row) > least) active.push_back(static_cast<std::uint16_t>(row));
+    if (qp.lambda()(row) > tolerance::kActiveMultiplier) active.push_back(static_cast<std::uint16_t>(row));
   }
   std::sort(active.begin(), active.end());
   return true;

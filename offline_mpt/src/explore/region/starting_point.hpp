@@ -9,9 +9,10 @@
 
 namespace polyfly {
 
-/// Active set at t with all rows of unit length tightened by `margin`, ascending, of rows whose multipliers
-/// exceed `least`; false where that is infeasible. `qp` has the reduced program's rows.
+/// Active set at t with all rows of unit length tightened by `margin`, ascending, of rows with multipliers; false where
+/// that is infeasible. `qp` is min 1/2 v'v + g'v with the reduced program's rows. Where H is zero, |v|^2 has `weight`
+/// beside the cost.
 bool activeSetAt(const NormalisedProgram& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
-                 double least, ActiveSet& active);
+                 double weight, ActiveSet& active);
 
 }  // namespace polyfly

@@ -81,7 +81,11 @@ constexpr double kRoomBehind = 1e-5;
 /// Step of a probe across a degenerate facet [scaled].
 constexpr double kProbeStep = 1e-7;
 
-/// Factor of step and edge for linear programs, whose starting points are less exact.
+/// Weights of |z|^2 in programs that find active sets where H is zero.
+constexpr double kLinearStarts[] = {1e-5, 1e-7, 1e-3, 1e-9};
+
+/// Factor of step and edge where the cost of a linear program depends on the parameters: just behind a facet, the weight
+/// of |z|^2 would decide.
 constexpr double kLinearProbe = 1e4;
 
 /// A point at this distance from all half-spaces shows that a region has an interior [scaled].
@@ -92,33 +96,6 @@ constexpr double kProbeEdge = 1e-9;
 
 /// Rows with smaller multipliers are not active in a starting point.
 constexpr double kActiveMultiplier = 1e-10;
-
-/// Multiples of the identity that are added to a singular H.
-constexpr double kAddedIdentity[] = {1e-6, 1e-8, 1e-4, 1e-9};
-
-/// Distances of probes behind a facet [scaled].
-constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};
-
-/// Rows with smaller multipliers are not active.
-constexpr double kActiveShare = 1e-4;
-
-/// Parts of a facet with a smaller inscribed ball are left out [scaled].
-constexpr double kThinPiece = 1e-9;
-
-/// Planes at a smaller angle are parallel.
-constexpr double kParallelPlanes = 1e-9;
-
-/// z has no limit if it grows by this factor when a hundredth as much is added to H, and exceeds kUnlimitedSize.
-constexpr double kUnlimitedGrowth = 20.0;
-
-/// A z without limit is greater.
-constexpr double kUnlimitedSize = 1e3;
-
-/// A smaller number is zero.
-constexpr double kShortestZero = 1e-10;
-
-/// Within this factor of kShortestZero rounding may decide what is zero.
-constexpr double kShortestDoubt = 1e3;
 
 /// Error of multipliers up to which 32 digits are enough.
 constexpr double kTrustedMultipliers = 1e-16;

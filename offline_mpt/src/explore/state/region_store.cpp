@@ -1,6 +1,7 @@
 #include "explore/state/region_store.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace polyfly {
 
@@ -36,9 +37,10 @@ CriticalRegion RegionStore::region(std::size_t index, const NormalisedProgram& p
   region.K.resize(q_, p_);
   region.k.resize(q_);
   for (int i = 0; i < q_; ++i) {
-    double constant = law[i * (p_ + 1) + p_];
+    const int unit = program.outputs[static_cast<std::size_t>(i)];
+    double constant = std::ldexp(law[i * (p_ + 1) + p_], unit);
     for (int j = 0; j < p_; ++j) {
-      region.K(i, j) = law[i * (p_ + 1) + j] / program.half(j);
+      region.K(i, j) = std::ldexp(law[i * (p_ + 1) + j], unit) / program.half(j);
       constant -= region.K(i, j) * program.centre(j);
     }
     region.k(i) = constant;

@@ -29,7 +29,7 @@ struct OrthogonalFactors {
 
 OrthogonalFactors orthogonalFactors(const Eigen::MatrixXd& A);
 
-/// A P = Q R with the columns of A in the order of their size, for a rank and for least squares.
+/// A P = Q R with the columns of A in the order of their size, for a rank and for least squares. A may have no columns.
 class PivotedQr {
  public:
   /// A diagonal entry of R that is not above `threshold` times the greatest one counts as zero.
@@ -48,6 +48,9 @@ class PivotedQr {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
 
  private:
+  bool isEmpty() const { return rows_ == 0 || columns_ == 0; }
+
+  Eigen::Index rows_, columns_;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_;
 };
 

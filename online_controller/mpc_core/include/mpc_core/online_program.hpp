@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "mpc_core/bounded_qp.hpp"
@@ -9,7 +10,8 @@
 namespace polyfly {
 
 /// A parametric program solved at one parameter after the other, as in flight. Rows with a single entry are bounds of
-/// that variable, the others stay rows. Each solution starts from the active set of the one before.
+/// that variable, the others stay rows. Where H is conditioned too badly for that, the program is solved in its identity
+/// form (identity_form.hpp), and all rows stay rows. Each solution starts from the active set of the one before.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread.
 class OnlineProgram {
@@ -24,6 +26,9 @@ class OnlineProgram {
   /// Forgets the active set.
   void reset() noexcept { warm_ = false; }
 
+  /// The minimiser of the last solution, program().variableCount() numbers.
+  const double* z() const noexcept { return z_.data(); }
+
   const ParametricProgram& program() const noexcept { return program_; }
   const BoundedQp& solver() const noexcept { return qp_; }
 
@@ -36,10 +41,22 @@ class OnlineProgram {
     double scale = 0.0;
   };
 
+  /// The identity form, rounded.
+  struct Transformed {
+    Eigen::MatrixXd rows;          // m x n
+    Eigen::MatrixXd slack;         // m x (p + 1)
+    Eigen::MatrixXd inverse_root;  // L^-1
+    Eigen::MatrixXd free;          // n x (p + 1), z = free (theta, 1) + L^-T v
+  };
+
+  static std::optional<Transformed> transform(const ParametricProgram& program);
   void sortRows();
   void setBounds(const double* theta) noexcept;
+  QpStatus solveTransformed(const double* more) noexcept;
+  QpStatus solveGiven(const double* theta, const double* more) noexcept;
 
   ParametricProgram program_;
+  std::optional<Transformed> transformed_;
   // Rows that bound one variable; an equality is in both.
   std::vector<Bound> lower_bounds_, upper_bounds_;
   // Columns of S that are not 0.
@@ -49,6 +66,8 @@ class OnlineProgram {
   std::vector<char> is_equality_;
   BoundedQp qp_;
   Eigen::VectorXd g_, b_, lower_, upper_, row_lower_, row_upper_;
+  Eigen::VectorXd affine_;  // (theta, 1)
+  Eigen::VectorXd z_;
   bool warm_ = false;
 };
 

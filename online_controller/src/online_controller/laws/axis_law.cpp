@@ -81,10 +81,9 @@ class OnlineAxisLaw final : public AxisLaw {
   void setGradient(const double* gradient) noexcept override { gradient_ = gradient; }
   void reset() noexcept override { program_.reset(); }
   bool planned(int stage, double input_reference, double* input) const noexcept override {
-    const BoundedQp& solver = program_.solver();
     if (problem_.inputCount() != 1) return false;
     const auto last = static_cast<int>(block_of_stage_.size()) - 1;
-    *input = input_reference + solver.x()[block_of_stage_[static_cast<std::size_t>(std::min(stage, last))]];
+    *input = input_reference + program_.z()[block_of_stage_[static_cast<std::size_t>(std::min(stage, last))]];
     return true;
   }
   double kktResidual() const noexcept override { return program_.solver().kktResidual(); }

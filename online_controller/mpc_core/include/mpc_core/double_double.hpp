@@ -13,7 +13,12 @@ struct DoubleDouble {
   DoubleDouble() = default;
   DoubleDouble(double value) : high(value) {}  // NOLINT: every double is one
   DoubleDouble(double high_part, double low_part) : high(high_part), low(low_part) {}
+
+  explicit operator double() const { return high; }
 };
+
+/// Relative rounding error of one operation, at most.
+constexpr double kDoubleDoubleUnit = 0x1p-102;
 
 /// a + b without loss; |a| >= |b|, or a = 0.
 inline DoubleDouble orderedSum(double a, double b) {
@@ -76,5 +81,22 @@ inline DoubleDouble sqrt(const DoubleDouble& a) {
 
 inline DoubleDouble& operator+=(DoubleDouble& a, const DoubleDouble& b) { return a = a + b; }
 inline DoubleDouble& operator-=(DoubleDouble& a, const DoubleDouble& b) { return a = a - b; }
+inline DoubleDouble& operator*=(DoubleDouble& a, const DoubleDouble& b) { return a = a * b; }
+inline DoubleDouble& operator/=(DoubleDouble& a, const DoubleDouble& b) { return a = a / b; }
+
+inline bool operator==(const DoubleDouble& a, const DoubleDouble& b) {
+  return a.high == b.high && a.low == b.low;
+}
+inline bool operator!=(const DoubleDouble& a, const DoubleDouble& b) { return !(a == b); }
+inline bool operator<(const DoubleDouble& a, const DoubleDouble& b) {
+  return a.high < b.high || (a.high == b.high && a.low < b.low);
+}
+inline bool operator>(const DoubleDouble& a, const DoubleDouble& b) { return b < a; }
+inline bool operator<=(const DoubleDouble& a, const DoubleDouble& b) {
+  return a.high < b.high || (a.high == b.high && a.low <= b.low);
+}
+inline bool operator>=(const DoubleDouble& a, const DoubleDouble& b) { return b <= a; }
+
+inline DoubleDouble abs(const DoubleDouble& a) { return a.high < 0.0 ? -a : a; }
 
 }  // namespace polyfly

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "mpc_core/parametric_program.hpp"
+
+namespace polyfly {
+
+/// A program in units in which its numbers are of order one. All factors are powers of two, so nothing is rounded.
+struct ScaledProgram {
+  /// Rows, cost, variables and outputs are scaled; parameters are not.
+  ParametricProgram program;
+  /// Variable j of the source is 2^variables[j] times that of `program`.
+  std::vector<int> variables;
+  /// Output i of the source is 2^outputs[i] times that of `program`.
+  std::vector<int> outputs;
+};
+
+/// Units in which `program` does not depend on those of its file: each variable is measured by the size that the rows and
+/// the box of parameters give it.
+ScaledProgram scaleProgram(const ParametricProgram& program);
+
+}  // namespace polyfly
