@@ -58,7 +58,7 @@ class RegionSampler {
         speed += rows_[first + j] * along[static_cast<Eigen::Index>(j)];
         slack -= rows_[first + j] * t_[j];
       }
-      if (speed > 0.0) nearest = std::min(nearest, (slack + tolerance::kBehindFacet) / speed);
+      if (speed > 0.0) nearest = std::min(nearest, (slack + tolerance::kCheckedBehind) / speed);
     }
     for (std::size_t j = 0; j < p_; ++j) {
       t_[j] += nearest * along[static_cast<Eigen::Index>(j)];

@@ -118,7 +118,7 @@ constexpr double kCheckedRow = 1e-4;
 constexpr double kCheckedEdge = 1e-7;
 
 /// Distance behind a facet at which the map is checked [scaled].
-constexpr double kBehindFacet = 1e-6;
+constexpr double kCheckedBehind = 1e-6;
 
 /// Outputs that are smaller in all samples count as zero.
 constexpr double kNoOutput = 1e-25;
