@@ -74,12 +74,14 @@ TEST(SelfCheck, PassesRightMapsAndRefusesEachWrongLaw) {
     EXPECT_GE(right.samples, 200u);
     EXPECT_EQ(checkAnswers(content, program, 3).worst, right.worst);
 
-    const std::size_t width = content.laws.size() / content.inputs.size() / (partition.regions.front().K.cols() + 1);
+    const std::size_t width =
+        content.laws.size() / content.inputs.size() / (partition.regions.front().K.cols() + 1);
     for (std::size_t law = 0; law < width; ++law) {
       MapContent wrong = content;
       wrong.laws[(law + 1) * content.inputs.size() * 3 - 1] += 2.0 * kBarelyWrong;
       const std::string fault = checkAnswers(wrong, program, 1).fault;
-      EXPECT_NE(fault.find("region "), std::string::npos) << "seed " << seed << " law " << law << ": " << fault;
+      EXPECT_NE(fault.find("region "), std::string::npos)
+          << "seed " << seed << " law " << law << ": " << fault;
       EXPECT_NE(fault.find("theta = ("), std::string::npos) << fault;
     }
   }

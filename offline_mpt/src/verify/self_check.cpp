@@ -6,16 +6,17 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
-#include "lp/polytope.hpp"
 #include "offline_mpt/exact_lp.hpp"
 #include "offline_mpt/partition.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "support/in_parallel.hpp"
 #include "support/vector_text.hpp"
-#include "verify/parameter_sampler.hpp"
+#include "verify/check_samples.hpp"
 #include "verify/strict_qp.hpp"
 #include "verify/tolerances.hpp"
 
@@ -24,110 +25,49 @@ namespace {
 
 using Verdict = StrictAnswer::Verdict;
 
-constexpr std::uint64_t kLeastSamples = 200;
-constexpr std::uint64_t kRegionsPerSample = 50;
-constexpr std::uint64_t kSeed = 1;
-
-/// Parameters in the box [-1, 1]^p of the map's own regions.
-class RegionSampler {
- public:
-  explicit RegionSampler(const RegionMap& map) : map_(map), p_(map.parameters().size()), solver_(static_cast<int>(p_)) {
-    for (const Signal& signal : map.parameters()) {
-      middle_.push_back(0.5 * (signal.lower + signal.upper));
-      half_.push_back(0.5 * (signal.upper - signal.lower));
-    }
-  }
-
-  /// The centre of a region; false where it has none.
-  bool centre(std::size_t region, Eigen::VectorXd& theta) {
-    gatherRows(region);
-    t_.assign(p_, 0.0);
-    double radius = 0.0;
-    const int count = static_cast<int>(rows_.size() / (p_ + 1));
-    if (!solver_.chebyshevInBox(rows_.data(), count, t_.data(), radius) || !(radius > 0.0)) return false;
-    theta = parameter();
-    return true;
-  }
-
-  /// Just behind the facet that `along` points to from that centre; false where this is outside of the box.
-  bool behindFacet(const Eigen::VectorXd& along, Eigen::VectorXd& theta) {
-    double nearest = 2.0 * static_cast<double>(p_);
-    for (std::size_t first = 0; first < rows_.size(); first += p_ + 1) {
-      double speed = 0.0, slack = rows_[first + p_];
-      for (std::size_t j = 0; j < p_; ++j) {
-        speed += rows_[first + j] * along[static_cast<Eigen::Index>(j)];
-        slack -= rows_[first + j] * t_[j];
-      }
-      if (speed > 0.0) nearest = std::min(nearest, (slack + tolerance::kCheckedBehind) / speed);
-    }
-    for (std::size_t j = 0; j < p_; ++j) {
-      t_[j] += nearest * along[static_cast<Eigen::Index>(j)];
-      if (!(std::abs(t_[j]) <= 1.0)) return false;
-    }
-    theta = parameter();
-    return true;
-  }
-
- private:
-  void gatherRows(std::size_t index) {
-    rows_.clear();
-    for (std::size_t j = 0; j < 2 * p_; ++j) {
-      for (std::size_t k = 0; k < p_; ++k) rows_.push_back(k != j / 2 ? 0.0 : j % 2 == 0 ? 1.0 : -1.0);
-      rows_.push_back(1.0);
-    }
-    const RegionView region = map_.region(index);
-    for (std::uint32_t i = 0; i < region.row_count; ++i) {
-      const double sign = region.rows[i] > 0 ? 1.0 : -1.0;
-      const double* plane = map_.plane(static_cast<std::size_t>(std::abs(region.rows[i])) - 1);
-      double bound = plane[p_], squared = 0.0;
-      for (std::size_t j = 0; j < p_; ++j) {
-        bound -= plane[j] * middle_[j];
-        squared += plane[j] * half_[j] * plane[j] * half_[j];
-      }
-      const double factor = sign / std::sqrt(squared);
-      for (std::size_t j = 0; j < p_; ++j) rows_.push_back(factor * plane[j] * half_[j]);
-      rows_.push_back(factor * bound);
-    }
-  }
-
-  Eigen::VectorXd parameter() const {
-    Eigen::VectorXd theta(static_cast<Eigen::Index>(p_));
-    for (std::size_t j = 0; j < p_; ++j) {
-      const Signal& signal = map_.parameters()[j];
-      theta[static_cast<Eigen::Index>(j)] = std::clamp(middle_[j] + half_[j] * t_[j], signal.lower, signal.upper);
-    }
-    return theta;
-  }
-
-  const RegionMap& map_;
-  std::size_t p_;
-  PolytopeSolver solver_;
-  std::vector<double> middle_, half_, rows_, t_;
-};
-
-std::vector<Eigen::VectorXd> drawSamples(const RegionMap& map) {
-  const std::uint64_t regions = map.firstFallback();
-  const std::uint64_t count = kLeastSamples + regions / kRegionsPerSample;
-  ParameterSampler uniform(map, kSeed, 0);
-  RegionSampler sampler(map);
-  std::vector<Eigen::VectorXd> samples;
-  Eigen::VectorXd theta;
-  for (std::uint64_t i = 0; samples.size() < count; ++i) {
-    samples.push_back(uniform.uniform().theta);
-    // Regions at equal distances in the list, all where they are few.
-    const std::uint64_t region = regions <= count / 3 ? i % regions : (i * 3 * regions / count) % regions;
-    if (!sampler.centre(region, theta)) continue;
-    samples.push_back(theta);
-    if (sampler.behindFacet(uniform.direction(), theta)) samples.push_back(theta);
-  }
-  return samples;
-}
-
 /// What one sample showed.
 struct SampleFinding {
   double error = 0.0;  // as a share of the input's range
   std::string fault;
 };
+
+std::string place(std::size_t region, const Eigen::VectorXd& theta) {
+  return "region " + std::to_string(region) + " at theta = " + vectorText(theta);
+}
+
+std::string wrongAnswer(std::size_t region, const Eigen::VectorXd& theta, double error, const std::string& u,
+                        const std::string& right) {
+  char share[32];
+  std::snprintf(share, sizeof share, "%.3g", error);
+  return place(region, theta) + ": u is off by " + share + " of the input's range, u = " + u + ", right is " +
+         right;
+}
+
+std::string wrongSilence(const Eigen::VectorXd& theta) {
+  return "no region holds theta = " + vectorText(theta) + ", which is feasible";
+}
+
+std::string wrongPresence(std::size_t region, const Eigen::VectorXd& theta) {
+  return place(region, theta) + ": it answers, but the program is infeasible";
+}
+
+/// Whether `is` holds at a parameter beside theta along an axis.
+template <class Is>
+bool anyBeside(const Eigen::VectorXd& theta, const std::vector<Signal>& parameters, const Is& is) {
+  Eigen::VectorXd moved = theta;
+  for (Eigen::Index j = 0; j < theta.size(); ++j) {
+    const Signal& signal = parameters[static_cast<std::size_t>(j)];
+    const double step = tolerance::kCheckedEdge * 0.5 * (signal.upper - signal.lower);
+    for (const double side : {-step, step}) {
+      moved[j] = theta[j] + side;
+      if (moved[j] >= signal.lower && moved[j] <= signal.upper && is(moved)) return true;
+    }
+    moved[j] = theta[j];
+  }
+  return false;
+}
+
+bool isComplete(const RegionMap& map) { return map.solverStatus() == toString(ExploreStatus::kComplete); }
 
 /// One object for each thread.
 class AnswerChecker {
@@ -154,24 +94,22 @@ class AnswerChecker {
     const Lookup lookup = map_.evaluate(theta.data(), u.data());
     if (lookup.status == LookupStatus::kInside) {
       checkAnswer(theta, u, lookup.region, finding);
-    } else if (map_.solverStatus() == toString(ExploreStatus::kComplete) && isDeep(theta) && isFeasible(theta)) {
-      finding.fault = "no region holds theta = " + vectorText(theta) + ", which is feasible";
+    } else if (isComplete(map_) && isDeep(theta) && isFeasible(theta)) {
+      finding.fault = wrongSilence(theta);
     }
     return finding;
   }
 
  private:
-  static std::string place(std::size_t region, const Eigen::VectorXd& theta) {
-    return "region " + std::to_string(region) + " at theta = " + vectorText(theta);
-  }
-
-  void checkAnswer(const Eigen::VectorXd& theta, const Eigen::VectorXd& u, std::size_t index, SampleFinding& finding) {
+  void checkAnswer(const Eigen::VectorXd& theta, const Eigen::VectorXd& u, std::size_t index,
+                   SampleFinding& finding) {
     const RegionView region = map_.region(index);
     std::vector<int> active;
     for (std::uint32_t i = 0; i < region.active_count; ++i) {
       if (region.active[i] >= 0 && region.active[i] < program_.rowCount()) active.push_back(region.active[i]);
     }
-    const StrictAnswer answer = optimum_.solve(theta, active, tolerance::kCheckedRow * tolerance::kCheckedError * range_);
+    const StrictAnswer answer =
+        optimum_.solve(theta, active, tolerance::kCheckedRow * tolerance::kCheckedError * range_);
     switch (answer.verdict) {
       case Verdict::kOptimal:
         finding.error = (u - answer.u).cwiseAbs().cwiseQuotient(range_).maxCoeff();
@@ -180,14 +118,10 @@ class AnswerChecker {
           finding.error = 0.0;
           return;
         }
-        char error[64];
-        std::snprintf(error, sizeof error, "%.3g", finding.error);
-        finding.fault = place(index, theta) + ": u is off by " + error + " of the input's range, u = " + vectorText(u) +
-                        ", right is " + vectorText(answer.u);
+        finding.fault = wrongAnswer(index, theta, finding.error, vectorText(u), vectorText(answer.u));
         return;
       case Verdict::kInfeasible:
-        if (!isNearFeasible(theta) && !isFeasible(theta))
-          finding.fault = place(index, theta) + ": it answers, but the program is infeasible";
+        if (!isNearFeasible(theta) && !isFeasible(theta)) finding.fault = wrongPresence(index, theta);
         return;
       case Verdict::kUndecided:
         finding.fault = place(index, theta) + ": the optimum could not be found";
@@ -203,31 +137,19 @@ class AnswerChecker {
     return qp.solve(theta, {}, tolerance::kCheckedRow * tolerance::kCheckedError * range_).verdict;
   }
 
-  /// Parameters beside theta along each axis.
-  template <class Is>
-  bool anyBeside(const Eigen::VectorXd& theta, const Is& is) {
-    Eigen::VectorXd moved = theta;
-    for (Eigen::Index j = 0; j < theta.size(); ++j) {
-      const Signal& signal = program_.parameters[static_cast<std::size_t>(j)];
-      const double step = tolerance::kCheckedEdge * 0.5 * (signal.upper - signal.lower);
-      for (const double side : {-step, step}) {
-        moved[j] = theta[j] + side;
-        if (moved[j] >= signal.lower && moved[j] <= signal.upper && is(feasibility(moved))) return true;
-      }
-      moved[j] = theta[j];
-    }
-    return false;
-  }
-
   bool isDeep(const Eigen::VectorXd& theta) {
-    return feasibility(theta) != Verdict::kInfeasible &&
-           !anyBeside(theta, [](Verdict verdict) { return verdict == Verdict::kInfeasible; });
+    const auto is_infeasible = [&](const Eigen::VectorXd& at) {
+      return feasibility(at) == Verdict::kInfeasible;
+    };
+    return !is_infeasible(theta) && !anyBeside(theta, program_.parameters, is_infeasible);
   }
   bool isNearFeasible(const Eigen::VectorXd& theta) {
-    return anyBeside(theta, [](Verdict verdict) { return verdict == Verdict::kOptimal; });
+    return anyBeside(theta, program_.parameters,
+                     [&](const Eigen::VectorXd& at) { return feasibility(at) == Verdict::kOptimal; });
   }
 
-  Rational valueAt(double constant, const Eigen::MatrixXd& rows, int row, const Eigen::VectorXd& theta) const {
+  Rational valueAt(double constant, const Eigen::MatrixXd& rows, int row,
+                   const Eigen::VectorXd& theta) const {
     Rational value(constant);
     for (Eigen::Index j = 0; j < theta.size(); ++j) value += Rational(rows(row, j)) * Rational(theta[j]);
     return value;
@@ -245,7 +167,8 @@ class AnswerChecker {
     }
     for (int i = 0; i < program_.rowCount(); ++i) {
       const Rational bound = valueAt(program_.b[i], program_.S, i, theta);
-      const auto type = is_tight[static_cast<std::size_t>(i)] != 0 ? ExactLp::Bound::kFixed : ExactLp::Bound::kUpper;
+      const auto type =
+          is_tight[static_cast<std::size_t>(i)] != 0 ? ExactLp::Bound::kFixed : ExactLp::Bound::kUpper;
       lp.setRowBounds(i, type, bound, bound);
       for (int j = 0; j < program_.variableCount(); ++j) {
         if (program_.A(i, j) != 0.0) lp.setCoefficient(i, j, Rational(program_.A(i, j)));
@@ -261,7 +184,8 @@ class AnswerChecker {
 
   /// Whether an optimum has this output, of a cost that is not strictly convex: H z + g + A' lambda = 0 with multipliers of
   /// the rows that push, all of them tight.
-  bool isOptimal(const Eigen::VectorXd& theta, const Eigen::VectorXd& u, const std::vector<int>& pushing) const {
+  bool isOptimal(const Eigen::VectorXd& theta, const Eigen::VectorXd& u,
+                 const std::vector<int>& pushing) const {
     ExactLp lp = rowsAt(theta, pushing);
     const int n = program_.variableCount(), q = program_.inputCount();
     const int multipliers = lp.addColumns(static_cast<int>(pushing.size()));
@@ -318,19 +242,10 @@ Eigen::VectorXd ranges(const RegionMap& map, const std::vector<Eigen::VectorXd>&
   return greatest;
 }
 
-}  // namespace
-
-AnswerCheck checkAnswers(const RegionMap& map, const ParametricProgram& program, int threads) {
+/// The first of the worst faults counts.
+AnswerCheck summary(const std::vector<SampleFinding>& findings) {
   AnswerCheck result;
-  const std::vector<Eigen::VectorXd> samples = drawSamples(map);
-  const Eigen::VectorXd range = ranges(map, samples);
-  std::vector<AnswerChecker> checkers(static_cast<std::size_t>(std::clamp(threads, 1, 256)),
-                                      AnswerChecker(map, program, range));
-  std::vector<SampleFinding> findings(samples.size());
-  inParallel(samples.size(), static_cast<int>(checkers.size()), nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
-    findings[i] = checkers[thread].check(samples[i]);
-  });
-  result.samples = samples.size();
+  result.samples = findings.size();
   double worst_fault = -1.0;
   for (const SampleFinding& finding : findings) {
     result.worst = std::max(result.worst, finding.error);
@@ -341,14 +256,70 @@ AnswerCheck checkAnswers(const RegionMap& map, const ParametricProgram& program,
   return result;
 }
 
-AnswerCheck checkAnswers(const MapContent& content, const ParametricProgram& program, int threads) {
+/// A map that is not written yet, laid out as it will be.
+class LaidOut {
+ public:
+  explicit LaidOut(const MapContent& content) {
+    const std::vector<std::byte> bytes = layOut(content);
+    blocks_.resize(bytes.size() / sizeof(Block) + 1);
+    std::memcpy(blocks_.data(), bytes.data(), bytes.size());
+    map_.emplace(RegionMap::view(blocks_.data(), bytes.size(), content.name));
+  }
+  const RegionMap& map() const { return *map_; }
+
+ private:
   struct alignas(64) Block {
     std::byte bytes[64];
   };
-  const std::vector<std::byte> bytes = layOut(content);
-  std::vector<Block> aligned(bytes.size() / sizeof(Block) + 1);
-  std::memcpy(aligned.data(), bytes.data(), bytes.size());
-  return checkAnswers(RegionMap::view(aligned.data(), bytes.size(), content.name), program, threads);
+  std::vector<Block> blocks_;
+  std::optional<RegionMap> map_;
+};
+
+}  // namespace
+
+AnswerCheck checkAnswers(const RegionMap& map, const ParametricProgram& program, int threads) {
+  const std::vector<Eigen::VectorXd> samples = checkSamples(map);
+  const Eigen::VectorXd range = ranges(map, samples);
+  std::vector<AnswerChecker> checkers(static_cast<std::size_t>(std::clamp(threads, 1, 256)),
+                                      AnswerChecker(map, program, range));
+  std::vector<SampleFinding> findings(samples.size());
+  inParallel(samples.size(), static_cast<int>(checkers.size()), nullptr, {},
+             [&](std::size_t thread, std::uint64_t i) { findings[i] = checkers[thread].check(samples[i]); });
+  return summary(findings);
+}
+
+AnswerCheck checkAnswers(const MapContent& content, const ParametricProgram& program, int threads) {
+  return checkAnswers(LaidOut(content).map(), program, threads);
+}
+
+AnswerCheck checkAnswers(const MapContent& content,
+                         const std::function<std::optional<double>(const double* theta)>& first_input) {
+  const LaidOut laid_out(content);
+  const RegionMap& map = laid_out.map();
+  const std::vector<Eigen::VectorXd> samples = checkSamples(map);
+  const Eigen::VectorXd range = ranges(map, samples);
+  const auto has_answer = [&](const Eigen::VectorXd& theta) { return first_input(theta.data()).has_value(); };
+  const auto has_none = [&](const Eigen::VectorXd& theta) { return !has_answer(theta); };
+  std::vector<SampleFinding> findings;
+  Eigen::VectorXd u(range.size());
+  for (const Eigen::VectorXd& theta : samples) {
+    SampleFinding finding;
+    const Lookup lookup = map.evaluate(theta.data(), u.data());
+    const std::optional<double> right = first_input(theta.data());
+    if (lookup.status != LookupStatus::kInside) {
+      if (right && isComplete(map) && !anyBeside(theta, map.parameters(), has_none))
+        finding.fault = wrongSilence(theta);
+    } else if (right) {
+      finding.error = std::abs(u[0] - *right) / range[0];
+      if (!(finding.error <= tolerance::kCheckedError))
+        finding.fault =
+            wrongAnswer(lookup.region, theta, finding.error, std::to_string(u[0]), std::to_string(*right));
+    } else if (!anyBeside(theta, map.parameters(), has_answer)) {
+      finding.fault = wrongPresence(lookup.region, theta);
+    }
+    findings.push_back(std::move(finding));
+  }
+  return summary(findings);
 }
 
 }  // namespace polyfly

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "mpc_core/parametric_program.hpp"
@@ -28,5 +30,9 @@ AnswerCheck checkAnswers(const RegionMap& map, const ParametricProgram& program,
 
 /// The same for a map that is not written yet, laid out as it will be.
 AnswerCheck checkAnswers(const MapContent& content, const ParametricProgram& program, int threads);
+
+/// The same for a map whose first input is that of a law that is solved at each parameter; none where that has no solution.
+AnswerCheck checkAnswers(const MapContent& content,
+                         const std::function<std::optional<double>(const double* theta)>& first_input);
 
 }  // namespace polyfly

@@ -139,7 +139,8 @@ void StrictQp::setParameter(const Eigen::VectorXd& theta) {
   for (std::size_t e = 0; e < equality_weights_.size(); ++e) {
     const int index = program_->equalities[e];
     const DoubleDouble weighted = equality_weights_[e] * bounds_[static_cast<std::size_t>(index)];
-    for (int i = 0; i < n_; ++i) gradient_[static_cast<std::size_t>(i)] -= DoubleDouble(program_->A(index, i)) * weighted;
+    for (int i = 0; i < n_; ++i)
+      gradient_[static_cast<std::size_t>(i)] -= DoubleDouble(program_->A(index, i)) * weighted;
   }
   solveLower(gradient_);
 }
@@ -170,7 +171,8 @@ void StrictQp::remove(std::size_t place) {
 }
 
 StrictQp::Vector StrictQp::solveTight(Vector x) const {
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = (x[i] - dot(factor_[i].data(), x.data(), i)) / factor_[i][i];
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = (x[i] - dot(factor_[i].data(), x.data(), i)) / factor_[i][i];
   for (std::size_t i = x.size(); i-- > 0;) {
     x[i] = x[i] / factor_[i][i];
     for (std::size_t j = 0; j < i; ++j) x[j] -= factor_[i][j] * x[i];
@@ -181,7 +183,8 @@ StrictQp::Vector StrictQp::solveTight(Vector x) const {
 void StrictQp::findMultipliers() {
   Vector right;
   for (const int index : tight_)
-    right.push_back(-(bounds_[static_cast<std::size_t>(index)] + dot(rows_[static_cast<std::size_t>(index)], gradient_)));
+    right.push_back(
+        -(bounds_[static_cast<std::size_t>(index)] + dot(rows_[static_cast<std::size_t>(index)], gradient_)));
   multipliers_ = solveTight(std::move(right));
 }
 
@@ -242,7 +245,7 @@ int StrictQp::mostViolated(double reach) {
 bool StrictQp::meet(int index) {
   const Vector added = row(index);
   const double squared = squared_[static_cast<std::size_t>(index)];
-  DoubleDouble own;  // its multiplier
+  DoubleDouble own;                     // its multiplier
   if (isEquality(index)) return false;  // it depends on the other ones
   for (;;) {
     ++changes_;
@@ -250,7 +253,8 @@ bool StrictQp::meet(int index) {
     for (const int other : tight_) products.push_back(dot(added, rows_[static_cast<std::size_t>(other)]));
     const Vector shares = solveTight(products);  // multipliers fall by these
     const DoubleDouble curvature = DoubleDouble(squared) - dot(products, shares);
-    DoubleDouble excess = -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * dot(added, added);
+    DoubleDouble excess =
+        -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * dot(added, added);
     for (std::size_t i = 0; i < tight_.size(); ++i) excess -= multipliers_[i] * products[i];
     const bool depends = !(curvature.high > tolerance::kRankOfSquares * squared);
     DoubleDouble step = depends ? DoubleDouble(std::numeric_limits<double>::infinity()) : excess / curvature;
