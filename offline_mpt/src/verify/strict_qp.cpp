@@ -11,6 +11,9 @@ namespace {
 
 using Vector = std::vector<DoubleDouble>;
 
+// Steps for each row after which StrictQp gives up.
+constexpr int kStepsPerRow = 20;
+
 DoubleDouble dot(const DoubleDouble* a, const DoubleDouble* b, std::size_t count) {
   DoubleDouble sum;
   for (std::size_t i = 0; i < count; ++i) sum += a[i] * b[i];
@@ -299,7 +302,7 @@ StrictAnswer StrictQp::solve(const Eigen::VectorXd& theta, const std::vector<int
   }
   setParameter(theta);
   begin(guess);
-  const int most = tolerance::kStepsPerRow * (program_->rowCount() + 1);
+  const int most = kStepsPerRow * (program_->rowCount() + 1);
   while (changes_ <= most) {
     findMinimiser();
     const int violated = mostViolated(reach);

@@ -105,9 +105,6 @@ constexpr double kNoShare = 1e-16;
 /// Multiple of the identity that makes a cost strictly convex, as a share of the greatest entry of H.
 constexpr double kRegularisedHessian = 1e-14;
 
-/// Steps for each row after which StrictQp gives up.
-constexpr int kStepsPerRow = 20;
-
 /// Greatest error of u that the check of `solve` accepts, as a share of the input's range.
 constexpr double kCheckedError = 1e-6;
 
