@@ -23,7 +23,7 @@ class MpiSession {
   ~MpiSession() { leave(); }
 
   /// CPU time of this process by phase [s]; after `leave` that of all.
-  std::array<double, 4> cpu{};
+  std::array<double, 5> cpu{};
 
   /// Null where this process is alone.
   MpiGroup* group() const { return group_.get(); }

@@ -26,6 +26,7 @@
 #include "signals.hpp"
 #include "solve_report.hpp"
 #include "support/vector_text.hpp"
+#include "verify/self_check.hpp"
 
 namespace polyfly {
 namespace {
@@ -177,6 +178,15 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
   for (const LoopExcess& excess : loopExcess(problem, partition)) note(loopExcessText(problem, excess));
 }
 
+// False where the map is wrong; says why.
+bool answersRight(const SolveArguments& options, const ParametricProgram& program,
+                  const MapContent& content) {
+  const AnswerCheck check = checkAnswers(content, program, options.explore.threads);
+  if (check.fault.empty()) return true;
+  std::fprintf(stderr, "offline_mpt: %s: not written: %s\n", options.map.c_str(), check.fault.c_str());
+  return false;
+}
+
 JobInput readInput(const SolveArguments& options) {
   JobInput input;
   input.own = ownSolverOf(options.problem);
@@ -243,7 +253,13 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
   if (!isStopped(partition)) clock.leave(session);
   addSoftBounds(program, partition, options, &content);
   clock.end(&PhaseSeconds::encode);
+  const bool is_right = answersRight(options, program, content);
+  clock.end(&PhaseSeconds::check);
   ignoreSignals();
+  if (!is_right) {
+    removeCheckpoint(options, partition);
+    return ExitCode::kFailed;
+  }
   writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
   clock.end(&PhaseSeconds::write);

@@ -20,6 +20,7 @@ nlohmann::ordered_json phasesJson(const PhaseSeconds& seconds) {
   return {{"load", seconds.load},
           {"explore", seconds.explore},
           {"encode", seconds.encode},
+          {"check", seconds.check},
           {"write", seconds.write}};
 }
 

@@ -30,11 +30,13 @@ struct PhaseSeconds {
   double load = 0.0;
   double explore = 0.0;
   double encode = 0.0;
+  double check = 0.0;
   double write = 0.0;
 };
 
-constexpr std::array<double PhaseSeconds::*, 4> kPhases = {&PhaseSeconds::load, &PhaseSeconds::explore,
-                                                           &PhaseSeconds::encode, &PhaseSeconds::write};
+constexpr std::array<double PhaseSeconds::*, 5> kPhases = {&PhaseSeconds::load, &PhaseSeconds::explore,
+                                                           &PhaseSeconds::encode, &PhaseSeconds::check,
+                                                           &PhaseSeconds::write};
 
 /// How long the phases took, and what they took of the processors.
 class PhaseClock {

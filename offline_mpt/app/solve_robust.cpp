@@ -9,9 +9,11 @@
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "robust_mpc/online_law.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "signals.hpp"
 #include "stopwatch.hpp"
+#include "verify/self_check.hpp"
 
 namespace polyfly {
 namespace {
@@ -37,8 +39,17 @@ FeasibleSet projectWithProgress(const RobustProgram& program, const SolveTask& t
   return projectFeasibleSet(program, project);
 }
 
-std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMap& map, double project,
-                    double regions, double encode) {
+/// Times of the phases [s].
+struct RobustSeconds {
+  double project = 0.0;
+  double regions = 0.0;
+  double encode = 0.0;
+  double check = 0.0;
+  double write = 0.0;
+};
+
+std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMap& map,
+                    const RobustSeconds& seconds) {
   nlohmann::ordered_json json;
   json["name"] = std::string(map.name());
   json["status"] = std::string(map.solverStatus());
@@ -53,7 +64,11 @@ std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMa
   json["laws"] = map.lawCount();
   json["depth"] = map.cost().depth;
   json["bytes"] = map.bytes();
-  json["seconds"] = {{"project", project}, {"regions", regions}, {"encode", encode}};
+  json["seconds"] = {{"project", seconds.project},
+                     {"regions", seconds.regions},
+                     {"encode", seconds.encode},
+                     {"check", seconds.check},
+                     {"write", seconds.write}};
   return json.dump(2) + "\n";
 }
 
@@ -81,13 +96,23 @@ ExitCode solveRobust(const SolveTask& task) {
   tree.mode = task.tree_mode;
   tree.node_limit = task.tree_nodes;
   const MapContent content = encode(rounded.program, rounded.partition, tree);
+  const double encode_time = watch.lap();
+  OnlineRobustLaw online(problem);
+  const AnswerCheck check = checkAnswers(content, [&](const double* theta) { return online.input(theta); });
+  const double check_time = watch.lap();
   ignoreSignals();
+  if (!check.fault.empty()) {
+    std::fprintf(stderr, "offline_mpt: %s: not written: %s\n", task.map.c_str(), check.fault.c_str());
+    ::unlink(task.checkpoint.c_str());
+    return ExitCode::kFailed;
+  }
   writeMap(content, task.map);
   ::unlink(task.checkpoint.c_str());
   const RegionMap map = RegionMap::open(task.map);
-  const double encode_time = watch.lap();
+  const double write_time = watch.lap();
   if (!task.stats.empty())
-    writeText(task.stats, statsOf(set, law, map, project_time, region_time, encode_time));
+    writeText(task.stats,
+              statsOf(set, law, map, {project_time, region_time, encode_time, check_time, write_time}));
   if (!task.quiet) {
     std::printf(
         "%s: complete, %zu regions, %zu laws, depth %u, %zu bytes; feasible set of %zu facets and %zu "

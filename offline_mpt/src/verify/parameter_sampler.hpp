@@ -24,13 +24,16 @@ class ParameterSampler {
   /// Uniform in the box.
   Sample uniform();
 
+  /// A unit vector.
+  Eigen::VectorXd direction();
+
   /// On, beside or at the meeting of faces of a random region, or at its centre.
   Sample degenerate();
 
  private:
   double unit();
   std::uint64_t below(std::uint64_t count);
-  Eigen::VectorXd direction();
+
   double gatherRows(std::uint64_t region);
   double exactRadius(const Eigen::MatrixXd& A, double radius) const;
   double walk(Eigen::VectorXd& t, const Eigen::VectorXd& along, Eigen::Index& face) const;

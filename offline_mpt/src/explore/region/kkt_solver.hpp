@@ -37,7 +37,7 @@ class KktSolver {
   virtual void costMultiplier(std::size_t place, double* affine) const = 0;
   /// Slack of row `row` of the program, which is not active.
   virtual void slack(int row, double* affine) const = 0;
-  /// The law, q rows. Returns its approximate rounding error, relative to max(1, |u|).
+  /// The law, q rows. Returns its approximate rounding error, relative to max(1, greatest entry of a row).
   virtual double law(std::vector<double>& out) const = 0;
 
   /// Approximate rounding error of multipliers and cost multipliers, relative to the greatest of them.

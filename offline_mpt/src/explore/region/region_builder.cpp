@@ -194,6 +194,22 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   return status == BuildStatus::kRegion ? addSlackRows(active) : status;
 }
 
+// Greatest |entry| of a law over its value at the centre of its region, each at least 1. The values of a steep law are
+// small where they count, so its error is no share of its slopes.
+double RegionBuilder::steepness(const std::vector<double>& law, const std::vector<double>& centre) {
+  double steepest = 1.0;
+  for (auto row = law.begin(); row != law.end(); row += static_cast<std::ptrdiff_t>(centre.size()) + 1) {
+    double value = row[static_cast<std::ptrdiff_t>(centre.size())], size = std::max(1.0, std::abs(value));
+    for (std::size_t j = 0; j < centre.size(); ++j) {
+      const double entry = row[static_cast<std::ptrdiff_t>(j)];
+      value += entry * centre[j];
+      size = std::max(size, std::abs(entry));
+    }
+    steepest = std::max(steepest, size / std::max(1.0, std::abs(value)));
+  }
+  return steepest;
+}
+
 // Rows, largest ball and law.
 BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
   region.radius = -std::numeric_limits<double>::infinity();
@@ -205,6 +221,7 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
     return BuildStatus::kFailed;
   if (region.radius <= radius_tolerance_) return BuildStatus::kEmptyInterior;
   law_error_ = kkt_->law(region.law);
+  law_error_ *= steepness(region.law, region.centre);
   return status;
 }
 

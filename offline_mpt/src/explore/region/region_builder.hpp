@@ -109,6 +109,7 @@ class RegionBuilder {
   bool isNeeded(std::vector<std::pair<int, std::vector<double>>>& left, std::size_t place, double tolerance,
                 bool& failed);
   BuildStatus inflateFlat(const ActiveSet& active, Region& region);
+  static double steepness(const std::vector<double>& law, const std::vector<double>& centre);
   bool needsAccuracy(BuildStatus status, const Region& region) const;
   bool holdsAsSolved(const ActiveSet& active, const double* t, double tolerance);
   void clearRows();
@@ -155,7 +156,7 @@ class RegionBuilder {
   bool doubtful_ = false;
   // Approximate rounding error of the half-spaces in the box.
   double plane_error_ = 0.0;  // [scaled]
-  // Approximate rounding error of the law, relative to max(1, |u|).
+  // Approximate rounding error of the law, relative to max(1, |u|) at the centre of the region.
   double law_error_ = 0.0;
   // Distance of the corners of the box from its centre.
   double reach_;
