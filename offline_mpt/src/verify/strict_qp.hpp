@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "arithmetic/double_double.hpp"
+#include "mpc_core/double_double.hpp"
 #include "mpc_core/parametric_program.hpp"
 
 namespace polyfly {
