@@ -64,6 +64,9 @@ class RigidBodyPlant {
   /// Flies `period` seconds, a multiple of kStep, with the command; it acts after the delay.
   void advance(const AttitudeCommand& command, double period);
 
+  /// From now on the external force in W is this one [N].
+  void setForce(const Eigen::Vector3d& force) noexcept { options_.force = force; }
+
   VehicleState measure();  ///< odometry now, with noise
   VehicleState truth() const;
   double time() const noexcept { return static_cast<double>(step_) * kStep; }

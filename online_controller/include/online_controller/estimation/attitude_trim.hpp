@@ -29,15 +29,8 @@ struct FollowedTilt {
 /// What of the reference a command follows. 0 where nothing is followed.
 struct FollowedReference {
   FollowedTilt tilt;
-  /// The tilt in all, with what holds against the disturbance [rad].
-  TiltAngles whole_tilt;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
 };
-
-/// Whether the vehicle flies what it follows: the tilt within 0.1 rad of the whole one, and the velocity within 0.5 m/s.
-/// Else the reference tells nothing of what the loops and the drag do.
-bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
-                const Eigen::Vector3d& velocity) noexcept;
 
 /// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about roll and
 /// pitch. A Kalman filter finds it from the measured attitude.

@@ -144,7 +144,6 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  if (!isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity)) followed_ = {};
   observer_.update(state, report_.command.thrust / options_.mass, periods, followed_.velocity);
   trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_.tilt);
   followed_ = {};
@@ -224,7 +223,7 @@ void NonlinearController::makeReferences(const Reference* preview) noexcept {
   const StageReference next = onPath(soon, yaw_ + period * stages_.front().yaw_rate,
                                      disturbanceAt(soon) + period * disturbance_rate_);
   lead(now, next, period_decay_);
-  path_ = {undisturbedTilt(*preview, soon), {now.roll, now.pitch}, preview->velocity};
+  path_ = {undisturbedTilt(*preview, soon), preview->velocity};
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,

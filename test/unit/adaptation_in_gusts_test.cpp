@@ -1,0 +1,68 @@
+// Gusts that end: what they taught must not keep a law from its path afterwards.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "compared_laws.hpp"
+#include "polyfly_test/gaussian_source.hpp"
+#include "polyfly_test/rigid_body_plant.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kGustStart = 10.0, kGustEnd = 70.0;  // [s]
+
+// A racer: loops of 0.07 and 0.03 s, where the shipped model has one of 0.25 s.
+RigidBodyOptions racer() {
+  constexpr double kSlow = 0.07, kFast = 0.03;  // [s]
+  RigidBodyOptions options;
+  options.mass = 0.5;
+  options.inertia = {0.002, 0.002, 0.0035};
+  options.arm = 0.08;
+  options.rotor_up = 0.01;
+  options.rotor_down = 0.015;
+  options.rotor_max = 5.0;
+  options.drag = 0.2;
+  options.stiffness = 1.0 / (kSlow * kFast);
+  options.damping = (kSlow + kFast) / (kSlow * kFast);
+  options.moment_max = {0.5, 0.5, 0.1};
+  return options;
+}
+
+/// RMS of the position error [m] on a circle from 30 to 50 s after gusts of `sigma` [m/s^2] in each axis.
+double errorAfterGusts(const RigidBodyOptions& vehicle, bool adapt_model, double sigma, std::uint64_t seed) {
+  MultirotorOptions options;
+  options.adapt_model = adapt_model;
+  options.mass = vehicle.mass;
+  const Pilot pilot = pilotOf(std::make_shared<MultirotorController>(problemsWith(nullptr), options));
+  const Path path = helix(8.0, 5.0, 0.0);
+  RigidBodyPlant plant(vehicle, path(0.0).position);
+  GaussianSource source(seed);
+  Eigen::Vector3d gust = Eigen::Vector3d::Zero();
+  const double kept = std::exp(-kPeriod), drawn = std::sqrt(1.0 - kept * kept) * sigma;
+  double sum = 0.0;
+  int samples = 0;
+  while (plant.time() < kGustEnd + 50.0) {
+    const bool gusty = plant.time() > kGustStart && plant.time() < kGustEnd;
+    gust = gusty ? Eigen::Vector3d(kept * gust + drawn * source.next3()) : Eigen::Vector3d::Zero();
+    plant.setForce(vehicle.mass * gust);
+    plant.advance(pilot(plant.measure(), path), kPeriod);
+    if (plant.time() < kGustEnd + 30.0) continue;
+    sum += (plant.position() - path(plant.time()).position).squaredNorm();
+    ++samples;
+  }
+  return std::sqrt(sum / samples);
+}
+
+TEST(AdaptationInGusts, AfterGustsTheCircleIsFlownAsBefore) {
+  for (const RigidBodyOptions& vehicle : {RigidBodyOptions{}, racer()}) {
+    const double without = errorAfterGusts(vehicle, false, 2.0, 1003);
+    const double with = errorAfterGusts(vehicle, true, 2.0, 1003);
+    EXPECT_LT(with, 0.02) << vehicle.mass;
+    EXPECT_LT(with, 0.2 * without) << vehicle.mass;
+  }
+}
+
+}  // namespace
+}  // namespace polyfly
