@@ -108,11 +108,12 @@ TEST_F(Verify, PassesARightMap) {
 }
 
 TEST_F(Verify, CatchesACorruptedLaw) {
-  content.laws[content.regions[largestRegion()].law * 3 * 3 + 2] += 1e-5;
+  const double range = program.inputs[0].upper - program.inputs[0].lower;
+  content.laws[content.regions[largestRegion()].law * 3 * 3 + 2] += 1e-5 * range;
   const VerifyReport result = report();
   EXPECT_FALSE(result.passed());
   EXPECT_GT(result.errors.count, 0u);
-  EXPECT_NEAR(result.max_error, 1e-5, 1e-7);
+  EXPECT_NEAR(result.max_error, 1e-5 * range, 1e-7 * range);
   EXPECT_EQ(result.errors.example.size(), 2);
   EXPECT_EQ(result.missed.count, 0u);
 }
@@ -399,7 +400,8 @@ TEST_F(Verify, ArbiterIsConvincedByTheOptimalActiveSetOnly) {
 // A law that is off must not be excused by it.
 TEST_F(Verify, ArbiterDoesNotExcuseAWrongLaw) {
   const std::size_t width = content.parameters.size() + 1;
-  for (std::size_t i = width - 1; i < content.laws.size(); i += width) content.laws[i] += 1e-5;
+  for (std::size_t i = width - 1; i < content.laws.size(); i += width)
+    content.laws[i] += 1e-5 * (program.inputs[0].upper - program.inputs[0].lower);
   const VerifyReport wrong = report();
   EXPECT_FALSE(wrong.passed());
   EXPECT_GT(wrong.errors.count, wrong.compared * 9 / 10);

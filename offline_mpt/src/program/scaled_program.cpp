@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "program/program_rows.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {
@@ -115,11 +116,36 @@ void scaleRowsOfProgram(ParametricProgram& program) {
   scaleRows(program.b, exponents);
 }
 
-// An even power, so that the root of H is multiplied by a power of two.
+/// Median of the rows' greatest distances from the unconstrained minimiser, in the metric of H; 0 where there is none.
+double distanceOfRows(const ParametricProgram& program) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(program.H);
+  if (program.H.size() == 0 || factor.info() != Eigen::Success) return 0.0;
+  const Eigen::MatrixXd slopes = factor.solve(program.F);
+  const Eigen::VectorXd offset = factor.solve(program.f);
+  const Eigen::VectorXd slack =
+      sizeInBox(program.S + program.A * slopes, program.b + program.A * offset, program);
+  std::vector<double> distances;
+  for (Eigen::Index i = 0; i < slack.size(); ++i) {
+    const double length = factor.matrixL().solve(program.A.row(i).transpose()).norm();
+    if (!isEquality(program, static_cast<int>(i)) && length > 0.0 && slack(i) > 0.0)
+      distances.push_back(slack(i) / length);
+  }
+  if (distances.empty()) return 0.0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+// An even power, so that the root of H is multiplied by a power of two. Where H is definite, rows are then about 1 away from
+// the unconstrained minimiser: their distances decide what is active, and tolerances of them are absolute.
 void scaleCost(ParametricProgram& program) {
   const double curvature = program.H.size() > 0 ? program.H.diagonal().maxCoeff() : 0.0;
   const Eigen::VectorXd slopes = sizeInBox(program.F, program.f, program);
-  const int exponent = exponentOf(curvature > 0.0 ? curvature : slopes.size() > 0 ? slopes.maxCoeff() : 0.0);
+  const double distance = curvature > 0.0 ? distanceOfRows(program) : 0.0;
+  const int exponent = distance > 0.0 ? 2 * exponentOf(distance)
+                                      : exponentOf(curvature > 0.0     ? curvature
+                                                   : slopes.size() > 0 ? slopes.maxCoeff()
+                                                                       : 0.0);
   const std::vector<int> all(static_cast<std::size_t>(program.H.rows()), -(exponent - exponent % 2));
   scaleRows(program.H, all);
   scaleRows(program.F, all);
