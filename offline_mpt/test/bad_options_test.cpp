@@ -63,7 +63,7 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
         words.insert(words.end(), {option, value});
         SCOPED_TRACE(command.back() + " " + option + " " + value);
         expectLine(OFFLINE_MPT_PROGRAM, words,
-                   "offline_mpt: " + option + ": " + (value.empty() ? "''" : value));
+                   "offline_mpt: " + option + ": " + (value.empty() ? "its value is empty" : value));
       }
     }
   }

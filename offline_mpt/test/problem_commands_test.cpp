@@ -74,13 +74,13 @@ TEST_F(ProblemCommands, SolveWarnsOfASlackForEachStage) {
   std::string text{std::istreambuf_iterator<char>(shared_slack), {}};
   const std::string shared = ", slack: horizon";
   std::ofstream(file) << text.replace(text.find(shared), shared.size(), "");
-  const Outcome limited = tool({"solve", file, "-o", path("stages.map"), "--region-limit", "200", "--quiet"});
+  const Outcome limited = tool({"solve", file, "-o", path("stages.map"), "--region-limit", "200"});
   EXPECT_EQ(limited.exit_code, 3) << limited.err;
   expectPart(limited.err, "the soft bound v_y has 20 slacks, which may multiply the regions");
   // The generic form keeps the names of the slacks.
   ASSERT_EQ(tool({"condense", file, "-o", path("stages.json")}).exit_code, 0);
   const Outcome generic =
-      tool({"solve", path("stages.json"), "-o", path("generic.map"), "--region-limit", "200", "--quiet"});
+      tool({"solve", path("stages.json"), "-o", path("generic.map"), "--region-limit", "200"});
   EXPECT_EQ(generic.exit_code, 3) << generic.err;
   expectPart(generic.err, "the soft bound v_y has 20 slacks, which may multiply the regions");
 }

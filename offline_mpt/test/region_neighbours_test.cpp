@@ -26,24 +26,22 @@ LongVector behindCrossing(const NormalisedProgram& program, const Region& region
   return probe;
 }
 
-/// The Karush-Kuhn-Tucker conditions at t = `probe`, (t, 1): solved for the active rows, none violated.
+/// The Karush-Kuhn-Tucker conditions at t = `probe`, (t, 1), in the metric of H: the slacks are D (t, 1) + M M' lambda. Solved
+/// for the active rows, none violated.
 bool isOptimal(const NormalisedProgram& program, const ActiveSet& active, const LongVector& probe) {
   const auto k = static_cast<Eigen::Index>(active.size());
-  const LongMatrix A = program.A.cast<long double>();
-  const LongVector bound = program.S.cast<long double>() * probe;
-  LongMatrix system = LongMatrix::Zero(program.n + k, program.n + k);
-  LongVector right(program.n + k);
-  system.topLeftCorner(program.n, program.n) = program.H.cast<long double>();
-  right.head(program.n) = -program.F.cast<long double>() * probe;
+  const LongMatrix M = program.M.cast<long double>();
+  const LongVector distance = program.D.cast<long double>() * probe;
+  LongMatrix normals(k, program.n);
+  LongVector right(k);
   for (Eigen::Index r = 0; r < k; ++r) {
-    system.row(program.n + r).head(program.n) = A.row(active[r]);
-    system.col(program.n + r).head(program.n) = A.row(active[r]).transpose();
-    right(program.n + r) = bound(active[r]);
+    normals.row(r) = M.row(active[r]);
+    right(r) = -distance(active[r]);
   }
-  const LongVector solution = system.fullPivLu().solve(right);
+  const LongVector multipliers = (normals * normals.transpose()).fullPivLu().solve(right);
   constexpr long double kRounding = 1e-14L;
-  return solution.tail(k).minCoeff() >= -kRounding &&
-         (bound - A * solution.head(program.n)).minCoeff() >= -kRounding;
+  return multipliers.minCoeff() >= -kRounding &&
+         (distance + M * (normals.transpose() * multipliers)).minCoeff() >= -kRounding;
 }
 
 struct Crossed {
@@ -65,16 +63,16 @@ Crossed crossAll(const NormalisedProgram& program) {
     open.pop_back();
     if (worker.builder.build(active, region) != BuildStatus::kRegion) continue;
     for (const Facet& facet : region.facets) {
-      worker.sets.clear();
-      const Crossing crossing = worker.builder.neighbours(active, region, facet, worker.sets);
+      ActiveSetList sets;
+      const Crossing crossing = worker.builder.neighbours(active, region, facet, sets);
       if (crossing == Crossing::kDegenerate) ++crossed.degenerate;
       if (crossing == Crossing::kExchange) {
         ++crossed.exchanges;
-        const ActiveSet likeliest(worker.sets[0].begin(), worker.sets[0].end());
+        const ActiveSet likeliest(sets[0].begin(), sets[0].end());
         EXPECT_TRUE(isOptimal(program, likeliest, behindCrossing(program, region, facet)));
       }
-      for (std::size_t k = 0; k < worker.sets.size(); ++k) {
-        const ActiveSet set(worker.sets[k].begin(), worker.sets[k].end());
+      for (std::size_t k = 0; k < sets.size(); ++k) {
+        const ActiveSet set(sets[k].begin(), sets[k].end());
         if (found.insert(set).second) open.push_back(set);
       }
     }

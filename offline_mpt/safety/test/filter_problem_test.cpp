@@ -346,7 +346,12 @@ TEST(FilterProblemChecker, RefusesOtherSignals) {
   EXPECT_NE(with([](MapContent& map) { map.parameters[2].name = "a_befor"; }).find("in the place of"),
             std::string::npos);
   EXPECT_NE(with([](MapContent& map) { map.parameters[3].unit = "m"; }).find("unit"), std::string::npos);
-  EXPECT_NE(with([](MapContent& map) { map.parameters[3].upper += 1e-9; }).find("range"), std::string::npos);
+  // Moved as a whole, so that planes keep their length.
+  const auto moved = [](MapContent& map) {
+    map.parameters[3].lower += 1e-9;
+    map.parameters[3].upper += 1e-9;
+  };
+  EXPECT_NE(with(moved).find("range"), std::string::npos);
   EXPECT_NE(with([](MapContent& map) { map.inputs[0].lower -= 1e-9; }).find("range"), std::string::npos);
   EXPECT_NE(with([](MapContent& map) { map.period *= 2; }).find("period"), std::string::npos);
 }

@@ -142,7 +142,8 @@ void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
   keepRows(ld, M, kept);
 }
 
-/// (M theta + v) in t, with centres and half ranges that are not rounded.
+/// (M theta + v) in t, for centres and half ranges as they are rounded: laws are turned back by the same numbers, so that a
+/// law of whole numbers stays one.
 WideMatrix wideInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
                         const ParametricProgram& program) {
   const Eigen::Index p = program.parameterCount();
@@ -151,8 +152,8 @@ WideMatrix wideInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
   for (Eigen::Index j = 0; j < p; ++j) {
     const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
     const WideMatrix column = wide(M.col(j));
-    result.col(j) = column * (exactSum(signal.upper, -signal.lower) * 0.5);
-    result.col(p) += column * (exactSum(signal.upper, signal.lower) * 0.5);
+    result.col(j) = column * DoubleDouble{0.5 * (signal.upper - signal.lower), 0.0};
+    result.col(p) += column * DoubleDouble{0.5 * (signal.lower + signal.upper), 0.0};
   }
   return result;
 }
