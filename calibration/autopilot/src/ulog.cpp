@@ -329,6 +329,7 @@ class Reader {
         column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
       }
     }
+    log_.lossy = cut_ || unread_ > 0 || damaged_ > 0 || unknown_ > 0 || lost_ > 0;
     if (cut_) log_.remarks.push_back("the last message was cut off");
     const auto tell = [this](std::size_t count, const char* what) {
       if (count > 0) log_.remarks.push_back(std::to_string(count) + what);

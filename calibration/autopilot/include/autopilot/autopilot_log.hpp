@@ -26,6 +26,7 @@ struct AutopilotLog {
   /// By the message's name. Further instances (a second accelerometer) as `sensor_accel[1]`, `IMU[1]`.
   std::map<std::string, LogTable> tables;
   std::map<std::string, std::size_t> counts;  ///< rows of every message of the log, also of those not kept
+  bool lossy = false;                         ///< parts of the record are lost
   std::vector<std::string> remarks;           ///< sentences: cut off, skipped, damaged, lost while logging
 };
 
