@@ -196,8 +196,8 @@ void warnOfTwist(const FlightLog& log, std::vector<std::string>* warnings) {
     as_is += (velocity - state.velocity).squaredNorm();
     turned += (velocity - twist).squaredNorm();
   }
-  if (std::sqrt(as_is) < kFrameShare * std::sqrt(moved) || std::sqrt(turned) > kFrameShare * std::sqrt(as_is))
-    return;
+  const bool agree = !(std::sqrt(as_is) > kFrameShare * std::sqrt(moved));
+  if (agree || std::sqrt(turned) > kFrameShare * std::sqrt(as_is)) return;
   warnings->push_back(
       "The odometry's velocity does not lead from position to position, but in the world's frame it would: "
       "its twist must be in the body's frame, in m/s. The controller flew by wrong velocities.");
