@@ -89,12 +89,16 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   options.validation_windows = parseWindows(arguments.validation_windows);
   AttitudeCalibration calibration;
   const std::vector<ReadFlight> flights = readFlights(arguments, &calibration.remarks);
-  for (const ReadFlight& flight : flights) calibration.training.push_back(flight.provenance);
+  for (const ReadFlight& flight : flights) {
+    calibration.training.push_back(flight.provenance);
+    calibration.lossy = calibration.lossy || flight.signals.lossy;
+  }
   calibration.vehicle = vehicleOf(flights);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
     calibration.validation.emplace();
     validation = readSignals(arguments.validation, arguments, &*calibration.validation, &calibration.remarks);
+    calibration.lossy = calibration.lossy || validation->lossy;
   }
   const std::vector<std::string> axes = arguments.axes.empty() ? axesOf(flights) : arguments.axes;
   const std::vector<std::string> missing = missingIn(flights, arguments.axes);
@@ -119,7 +123,7 @@ int run(const AttitudeArguments& arguments) {
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned =
-      !calibration.failed.empty() ||
+      calibration.lossy || !calibration.failed.empty() ||
       std::any_of(calibration.axes.begin(), calibration.axes.end(),
                   [](const AxisModel& axis) { return !axis.warnings.empty() || !axis.supported; });
   return warned && arguments.strict ? kWarned : kCalibrated;

@@ -58,6 +58,7 @@ MotionFlights readMotion(const MotionArguments& arguments, MotionCalibration* ca
   std::vector<ReadFlight> read = readFlights(arguments, &calibration->remarks);
   calibration->vehicle = vehicleOf(read);
   for (ReadFlight& flight : read) {
+    calibration->lossy = calibration->lossy || flight.signals.lossy;
     flights.each.push_back(std::move(flight.signals));
     calibration->data.push_back(flight.provenance);
   }
@@ -111,7 +112,7 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned = !calibration.warnings.empty() ||
+  const bool warned = calibration.lossy || !calibration.warnings.empty() ||
                       std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
                                   [](const DisturbanceBound& one) { return !one.warnings.empty(); });
   return warned && arguments.strict ? kWarned : kCalibrated;

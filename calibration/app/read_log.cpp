@@ -76,7 +76,8 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
       ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");
-  command.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
+  command.add_flag("--strict", arguments.strict,
+                   "End with exit code 1 if there is a warning, or parts of a record are lost.");
   command.add_flag("--quiet", arguments.quiet, "Print nothing but errors.");
 }
 
@@ -171,7 +172,8 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
   if (!arguments.vehicle.empty()) signals.vehicle = {vehicleKindOf(arguments.vehicle), "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
-  for (const std::string& remark : settleUnits(&signals)) remarks->push_back(path + ": " + remark);
+  for (const std::string& remark : settleUnits(&signals, arguments.on_ground))
+    remarks->push_back(path + ": " + remark);
   for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);
   const std::vector<RejectedWindow> found = findNonFlight(signals, arguments.on_ground);
   for (const std::string& clause : clausesOn(found))

@@ -51,6 +51,20 @@ TEST_F(CalibrateTool, ReadsTheLogsOfAutopilots) {
   }
 }
 
+// A log that lost something gives its numbers, and fails only where that is asked for.
+TEST_F(CalibrateTool, CountsALossWhereItIsStrict) {
+  const std::vector<std::uint8_t> whole = madePx4Flight(0.93, 0.21).bytes;
+  std::vector<std::uint8_t> damaged = whole;
+  damaged.erase(damaged.begin() + static_cast<std::ptrdiff_t>(damaged.size() / 4));
+  writeBytes(whole, folder_ / "whole.ulg");
+  writeBytes(damaged, folder_ / "damaged.ulg");
+  EXPECT_EQ(run("attitude whole.ulg --axis roll --strict"), 0) << err() << out();
+  EXPECT_NE(out().find(" s in which the command moves (100 %)"), std::string::npos) << out();
+  EXPECT_EQ(run("attitude damaged.ulg --axis roll"), 0) << err();
+  EXPECT_NE(out().find("% of the file were read"), std::string::npos) << out();
+  EXPECT_EQ(run("attitude damaged.ulg --axis roll --strict"), 1) << err() << out();
+}
+
 // What the tool reads it does not write over, under any name; it says so before the work.
 TEST_F(CalibrateTool, KeepsTheFlightThatItReads) {
   const std::string flight = contents(folder_ / "flight.csv");

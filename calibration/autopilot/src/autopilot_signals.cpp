@@ -324,6 +324,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
   AutopilotSignals result;
   result.remarks = log.remarks;
   result.signals.source = path;
+  result.signals.lossy = log.lossy;
   for (const auto& [name, count] : log.counts) result.signals.places.push_back(name);
   result.signals.vehicle = loggedVehicle(log);
   for (const Choice& one : choices) addChoice(one, log, &result.signals);

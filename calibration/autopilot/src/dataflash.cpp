@@ -239,6 +239,7 @@ class Reader {
         column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
       }
     }
+    log_.lossy = cut_ || skipped_ > 0 || damaged_ > 0;
     if (cut_) log_.remarks.push_back("the last message was cut off");
     if (skipped_ > 0)
       log_.remarks.push_back(std::to_string(skipped_) + " bytes between messages were skipped");

@@ -79,18 +79,4 @@ GroundTime groundTime(const AutopilotLog& log) {
   return {};
 }
 
-TimeSeries without(const TimeSeries& series, const std::vector<TimeWindow>& windows) {
-  TimeSeries result;
-  for (std::size_t i = 0; i < series.time.size(); ++i) {
-    const double time = series.time[i];
-    const bool left_out = std::any_of(windows.begin(), windows.end(), [time](const TimeWindow& window) {
-      return window.from <= time && time < window.to;
-    });
-    if (left_out) continue;
-    result.time.push_back(time);
-    result.value.push_back(series.value[i]);
-  }
-  return result;
-}
-
 }  // namespace polyfly

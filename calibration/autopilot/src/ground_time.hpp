@@ -23,7 +23,4 @@ const std::vector<std::string>& groundTables();
 /// (copters), else EV's or ARM's armed and disarmed.
 GroundTime groundTime(const AutopilotLog& log);
 
-/// The series without what lies in the windows.
-TimeSeries without(const TimeSeries& series, const std::vector<TimeWindow>& windows);
-
 }  // namespace polyfly

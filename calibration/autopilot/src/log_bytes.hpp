@@ -27,7 +27,7 @@ class LogBytes {
 
   /// `size` bytes from here on, or nullptr where fewer are left; valid until the next call.
   const std::uint8_t* peek(std::size_t size) {
-    if (end_ - begin_ < size) fill(size);
+    if (end_ - begin_ < size && file_) fill(size);
     return end_ - begin_ < size ? nullptr : buffer_.data() + begin_;
   }
   void skip(std::size_t size) {

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <optional>
 
 #include "autopilot/autopilot_log.hpp"
 #include "log_bytes.hpp"
+#include "ulog_message.hpp"
 
 namespace polyfly {
 namespace {
@@ -13,12 +16,15 @@ namespace {
 constexpr std::array<std::uint8_t, 7> kMagic = {0x55, 0x4c, 0x6f, 0x67, 0x01, 0x12, 0x35};
 constexpr std::size_t kFileHeader = 16;
 constexpr std::size_t kMessageHeader = 3;
+constexpr std::size_t kLongestMessage = kMessageHeader + 0xffff;
 // Greatest number of fields of one message. More fields mean damage.
 constexpr std::size_t kMostFields = 4096;
 // Greatest nesting depth of formats.
 constexpr std::size_t kMostNesting = 8;
 // Greatest number of layouts in a file.
 constexpr std::size_t kMostLayouts = 100000;
+// Greatest number of data messages in a row whose size no format tells. More of them mean damage.
+constexpr std::size_t kMostUntold = 16;
 constexpr double kMicroseconds = 1e-6;
 
 enum class Type { kI8, kU8, kI16, kU16, kI32, kU32, kI64, kU64, kF32, kF64, kBool, kChar };
@@ -75,6 +81,17 @@ struct Subscription {
   std::string table;
   std::vector<Field> fields;         // without text and padding; empty where it is not wanted
   std::optional<std::size_t> stamp;  // offset of the timestamp
+  // Size of a row, without and with the padding at its end [bytes]. 0: the format does not tell.
+  std::size_t least = 0;
+  std::size_t greatest = 0;
+};
+
+// What the bytes at some place are by type, size and content. A message bears no mark and no checksum.
+enum class Form {
+  kNone,    // no message begins here
+  kUntold,  // a data message whose size no format tells
+  kWhole,   // a message
+  kCut      // a message, as far as the file goes
 };
 
 class Reader {
@@ -97,22 +114,69 @@ class Reader {
   }
 
  private:
+  // A message counts where another one follows, or the file ends: a lost byte shifts what is behind it. Else the next
+  // one is searched for.
   bool readMessage() {
-    const std::uint8_t* head = bytes_.peek(kMessageHeader);
-    if (head == nullptr) {
-      if (bytes_.left() > 0) log_.remarks.push_back("the last message was cut off");
+    if (bytes_.peek(kMessageHeader) == nullptr) {
+      run_ += bytes_.left();
+      cut_ = run_ > 0;
+      if (run_ > kLongestMessage) {
+        unread_ += run_;
+        ++holes_;
+      }
       return false;
     }
-    const auto size = static_cast<std::size_t>(readNumber<std::uint16_t>(head));
-    const char type = static_cast<char>(head[2]);
+    const Form form = formAt(0);
+    // What is searched for must bear its own size.
+    const bool counts = form == Form::kWhole || (form == Form::kUntold && run_ == 0);
+    if (!counts || !isFollowed(form)) {
+      bytes_.skip(1);
+      ++run_;
+      return true;
+    }
+    if (run_ > 0) ++holes_;
+    unread_ += run_;
+    run_ = 0;
+    const auto size = sizeAt(bytes_.peek(kMessageHeader));
     const std::uint8_t* whole = bytes_.peek(kMessageHeader + size);
-    if (whole == nullptr) {
-      log_.remarks.push_back("the last message was cut off");
-      return false;
-    }
-    handle(type, whole + kMessageHeader, size);
+    handle(static_cast<char>(whole[2]), whole + kMessageHeader, size);
     bytes_.skip(kMessageHeader + size);
     return true;
+  }
+
+  static std::size_t sizeAt(const std::uint8_t* head) { return readNumber<std::uint16_t>(head); }
+
+  // `offset` from the current place.
+  Form formAt(std::size_t offset) {
+    const std::uint8_t* head = bytes_.peek(offset + kMessageHeader);
+    if (head == nullptr) return Form::kCut;
+    head += offset;
+    const std::size_t size = sizeAt(head);
+    const char type = static_cast<char>(head[2]);
+    constexpr const char* kTypes = "BFIPMQARDLCSO";
+    if (type == '\0' || std::strchr(kTypes, type) == nullptr) return Form::kNone;
+    const std::uint8_t* whole = bytes_.peek(offset + kMessageHeader + size);
+    if (whole == nullptr) return Form::kCut;
+    const std::uint8_t* data = whole + offset + kMessageHeader;
+    if (type != 'D') return isULogMessage(type, data, size) ? Form::kWhole : Form::kNone;
+    constexpr std::size_t kHead = 2;
+    if (size < kHead) return Form::kNone;
+    const auto found = subscriptions_.find(readNumber<std::uint16_t>(data));
+    const bool told = found != subscriptions_.end() && found->second.least <= size - kHead &&
+                      size - kHead <= found->second.greatest;
+    return told ? Form::kWhole : Form::kUntold;
+  }
+
+  // Whether another message, or the file's end, follows the one here.
+  bool isFollowed(Form form) {
+    std::size_t offset = 0;
+    for (std::size_t untold = form == Form::kUntold ? 1 : 0; untold <= kMostUntold; ++untold) {
+      const std::uint8_t* head = bytes_.peek(offset + kMessageHeader);
+      offset += kMessageHeader + sizeAt(head + offset);
+      const Form next = formAt(offset);
+      if (next != Form::kUntold) return next != Form::kNone;
+    }
+    return false;
   }
 
   void handle(char type, const std::uint8_t* data, std::size_t size) {
@@ -206,6 +270,7 @@ class Reader {
       if (number) subscription->fields.push_back({full, primitive->type, offset, primitive->size});
       if (subscription->fields.size() > kMostFields) return std::nullopt;
       offset += primitive->size;
+      if (name.compare(0, 8, "_padding") != 0) subscription->least = offset;
     }
     return offset;
   }
@@ -222,11 +287,10 @@ class Reader {
     Subscription subscription;
     subscription.table = instance == 0 ? name : name + "[" + std::to_string(instance) + "]";
     const bool keep = wanted_.empty() || std::find(wanted_.begin(), wanted_.end(), name) != wanted_.end();
-    if (keep && (!layout(name, "", 0, 0, &subscription) || !subscription.stamp)) {
-      ++damaged_;
-      subscription.fields.clear();
-    }
-    if (!keep) subscription.fields.clear();
+    subscription.greatest = layout(name, "", 0, 0, &subscription).value_or(0);
+    const bool described = subscription.greatest > 0 && subscription.stamp;
+    if (keep && !described) ++damaged_;
+    if (!keep || !described) subscription.fields.clear();
     subscriptions_[id] = std::move(subscription);
   }
 
@@ -265,12 +329,27 @@ class Reader {
         column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
       }
     }
+    log_.lossy = cut_ || unread_ > 0 || damaged_ > 0 || unknown_ > 0 || lost_ > 0;
+    if (cut_) log_.remarks.push_back("the last message was cut off");
     const auto tell = [this](std::size_t count, const char* what) {
       if (count > 0) log_.remarks.push_back(std::to_string(count) + what);
     };
     tell(lost_, " ms of messages were lost while logging");
     tell(damaged_, " messages are not what their format says and were left out");
     tell(unknown_, " data messages belong to no subscription and were left out");
+    tellUnread();
+  }
+
+  // As of a bag, the share is never rounded up to 100 %.
+  void tellUnread() {
+    if (unread_ == 0) return;
+    const auto all = static_cast<double>(bytes_.place() + bytes_.left());
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(),
+                  "%llu bytes in %zu places are no message: %.4g %% of the file were read",
+                  static_cast<unsigned long long>(unread_), holes_,
+                  std::floor(1e3 * (1.0 - static_cast<double>(unread_) / all)) / 10.0);
+    log_.remarks.emplace_back(text.data());
   }
 
   LogBytes bytes_;
@@ -282,6 +361,10 @@ class Reader {
   std::size_t lost_ = 0;     // [ms]
   std::size_t damaged_ = 0;  // messages
   std::size_t unknown_ = 0;
+  std::size_t run_ = 0;       // bytes since the last message
+  std::uint64_t unread_ = 0;  // bytes between messages
+  std::size_t holes_ = 0;
+  bool cut_ = false;
 };
 
 }  // namespace

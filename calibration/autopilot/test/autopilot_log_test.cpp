@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include "autopilot/autopilot_signals.hpp"
 #include "identification/identify_axis.hpp"
@@ -231,6 +232,70 @@ TEST_F(AutopilotLogs, everyCutAndRandomDamageIsAnswered) {
     }
     EXPECT_GT(refused, 0);
     EXPECT_GT(read_back, refused);
+  }
+}
+
+// Rows of `damaged` that are no rows of `whole`, and rows of `whole` that are missing.
+std::pair<std::size_t, std::size_t> wrongAndMissing(const AutopilotLog& whole, const AutopilotLog& damaged) {
+  std::size_t wrong = 0;
+  std::size_t right = 0;
+  for (const auto& [name, table] : damaged.tables) {
+    const LogTable& all = whole.tables.at(name);
+    for (std::size_t row = 0; row < table.time.size(); ++row) {
+      const auto place = static_cast<std::size_t>(
+          std::lower_bound(all.time.begin(), all.time.end(), table.time[row]) - all.time.begin());
+      bool same = place < all.time.size() && all.time[place] == table.time[row];
+      for (const auto& [field, column] : table.column)
+        same = same && all.column.at(field)[place] == column[row];
+      ++(same ? right : wrong);
+    }
+  }
+  return {wrong, rowsOf(whole) - right};
+}
+
+// A byte that is lost, added or changed costs the messages that it lies in and touches, whatever it belongs to.
+TEST_F(AutopilotLogs, aByteOfAULogCostsNoMoreThanItsNeighbours) {
+  constexpr std::size_t kNeighbours = 2;
+  const std::vector<std::uint8_t> bytes = madePx4Flight(0.93, 0.21).bytes;
+  const AutopilotLog whole = read(bytes);
+  std::mt19937 generator(5);
+  for (int round = 0; round < 30; ++round) {
+    // Behind the formats and subscriptions.
+    const auto place = static_cast<std::ptrdiff_t>(400 + generator() % (bytes.size() - 1000));
+    std::vector<std::uint8_t> damaged = bytes;
+    if (round % 2 == 0) {
+      damaged.erase(damaged.begin() + place);
+    } else {
+      damaged.insert(damaged.begin() + place, static_cast<std::uint8_t>(generator()));
+    }
+    const AutopilotLog log = read(damaged);
+    const auto [wrong, missing] = wrongAndMissing(whole, log);
+    EXPECT_EQ(wrong, 0u) << place;
+    EXPECT_LE(missing, kNeighbours) << place;
+    ASSERT_EQ(log.remarks.size(), 1u) << place;
+    EXPECT_NE(log.remarks[0].find("in 1 places are no message: 99.9 % of the file were read"),
+              std::string::npos)
+        << log.remarks[0];
+  }
+}
+
+TEST_F(AutopilotLogs, anOverwrittenSectorOfAULogCostsWhatLiesInIt) {
+  constexpr std::size_t kSector = 4096;
+  constexpr std::size_t kLeastMessage = 29;  // of the made flight, [bytes]
+  const std::vector<std::uint8_t> bytes = madePx4Flight(0.93, 0.21).bytes;
+  const AutopilotLog whole = read(bytes);
+  std::mt19937 generator(6);
+  for (int round = 0; round < 20; ++round) {
+    const std::size_t place = 400 + generator() % (bytes.size() - kSector - 1000);
+    std::vector<std::uint8_t> damaged = bytes;
+    for (std::size_t i = 0; i < kSector; ++i)
+      damaged[place + i] = static_cast<std::uint8_t>(round % 2 == 0 ? generator() : 0);
+    const AutopilotLog log = read(damaged);
+    const auto [wrong, missing] = wrongAndMissing(whole, log);
+    EXPECT_EQ(wrong, 0u) << place;
+    EXPECT_LE(missing, kSector / kLeastMessage + 3) << place;
+    ASSERT_FALSE(log.remarks.empty());
+    EXPECT_NE(log.remarks.back().find("% of the file were read"), std::string::npos) << log.remarks.back();
   }
 }
 

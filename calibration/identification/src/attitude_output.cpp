@@ -214,6 +214,13 @@ std::string controllerRow(const ControllerModel& model) {
   return text;
 }
 
+std::string usedRow(const AxisModel& axis) {
+  char text[100];
+  std::snprintf(text, sizeof text, "  used: %.1f s of %.1f s in which the command moves (%.0f %%)\n",
+                axis.usedTime(), axis.movingTime(), 100.0 * axis.usedTime() / axis.movingTime());
+  return text;
+}
+
 std::string rateRow(const AxisModel& axis) {
   const GreatestRate& rate = *axis.greatest_rate;
   if (!rate.supported())
@@ -263,6 +270,7 @@ std::string toText(const AttitudeCalibration& calibration) {
         << (axis.segments.size() == 1 ? " stretch" : " stretches") << "; +- is half of the 95 % interval)\n"
         << row("lag alone", axis.without_delay);
     for (const ControllerModel& model : axis.controller_models) out << controllerRow(model);
+    out << usedRow(axis);
     if (axis.greatest_rate) out << rateRow(axis);
     if (axis.validation) {
       char text[128];

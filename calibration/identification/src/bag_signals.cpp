@@ -199,6 +199,9 @@ class Collector {
     const std::set<std::string> used = gather(&result);
     const std::string loss = lossSentence(recordingShare(result.health, used));
     if (!loss.empty()) result.health.remarks.push_back(loss);
+    const BagHealth& health = result.health;
+    result.signals.lossy =
+        !loss.empty() || !health.indexed || health.damaged_chunks > 0 || health.unread_bytes > 0;
     result.signals.places.assign(topics_.begin(), topics_.end());
     return result;
   }

@@ -26,6 +26,10 @@ constexpr double kDegreeMargin = 1.5;
 constexpr double kDropFit = 8.0;
 // Lead of the response before the command above which clocks disagree [s].
 constexpr double kLeadClock = 0.02;
+// Least delay that is one [s].
+constexpr double kLeastDelay = 1e-3;
+// Least gain of the fit by which a lead shows [%].
+constexpr double kLeadGain = 0.5;
 constexpr double kLongDelay = 0.45;  // [s]
 // Greatest lead that is searched for [s].
 constexpr double kClockBound = 0.5;
@@ -43,7 +47,7 @@ constexpr double kRestShare = 0.02;
 // Number of levels from which on a command counts as continuous.
 constexpr std::size_t kContinuous = 50;
 // Share of the time with a moving command in which the response must follow.
-constexpr double kFollowedShare = 0.5;
+constexpr double kFollowedShare = 0.85;
 // Correlation above which a signal follows a command.
 constexpr double kFollows = 0.7;
 // Factor by which the correlation of another axis must exceed the own correlation.
@@ -145,19 +149,7 @@ class Diagnosis {
           "The delay of %.2f s is longer than a loop's own: the clocks of command and response may disagree.",
           delay));
     }
-    if (delay > 1e-3) return;
-    FitOptions options = bounds_;
-    options.delay_least = -kClockBound;
-    const LoopFit fit = fitLoop(model_.segments, options);
-    const FittedParameter* found = fit.find("delay");
-    if (fit.shape.delay < -kLeadClock && found->greatest() < 0.0 &&
-        fit.fit_percent > model_.with_delay.fit_percent + 0.5) {
-      say(
-          text("The response comes %.3f s before its command: the clocks of the two disagree, or the command "
-               "was logged "
-               "late.",
-               -fit.shape.delay));
-    }
+    if (model_.lead > 0.0) say(leadSentence(model_.lead));
   }
 
   void excitation() {
@@ -292,19 +284,14 @@ class Diagnosis {
 
   // What was left out because the response does not follow, against what was used.
   void following() {
-    double left_out = 0.0;
-    for (const RejectedWindow& rejected : model_.choice.rejected) {
-      if (rejected.reason.find("does not follow") != std::string::npos)
-        left_out += rejected.window.to - rejected.window.from;
-    }
-    double used = 0.0;
-    for (const TimeWindow& window : model_.choice.windows) used += window.to - window.from;
-    if (used < kFollowedShare * (used + left_out)) {
+    const double used = model_.usedTime();
+    const double moving = model_.movingTime();
+    if (used < kFollowedShare * moving) {
       say(
           text("The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
                "is not "
                "that of this loop.",
-               used, used + left_out));
+               used, moving));
     }
   }
 
@@ -315,6 +302,22 @@ class Diagnosis {
 };
 
 }  // namespace
+
+double leadOf(const LoopFit& with_delay, const std::vector<LoopSegment>& segments, FitOptions bounds) {
+  if (with_delay.shape.delay > kLeastDelay) return 0.0;
+  bounds.delay_least = -kClockBound;
+  const LoopFit fit = fitLoop(segments, bounds);
+  const bool leads = fit.shape.delay < -kLeadClock && fit.find("delay")->greatest() < 0.0 &&
+                     fit.fit_percent > with_delay.fit_percent + kLeadGain;
+  return leads ? -fit.shape.delay : 0.0;
+}
+
+std::string leadSentence(double lead) {
+  return text(
+      "The response comes %.3f s before its command: the clocks of the two disagree, or the command was "
+      "logged late.",
+      lead);
+}
 
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {

@@ -27,7 +27,6 @@ constexpr double kTiny = 1e-12;
 constexpr int kRounds = 4;
 // Evaluations of each search: the model that judges need not be the best.
 constexpr int kRoughSearch = 100;
-const char* const kReason = "the response does not follow the command as elsewhere";
 
 // Energy of response and residual within a cell.
 struct Cell {
@@ -217,7 +216,7 @@ std::vector<RejectedWindow> strays(const Cells& cells, double usual) {
       if (i > 0 && stray[i - 1]) {
         found.back().window.to = part[i].to;
       } else {
-        found.push_back({{part[i].from, part[i].to}, kReason});
+        found.push_back({{part[i].from, part[i].to}, kDoesNotFollow});
       }
     }
   }
@@ -235,7 +234,7 @@ std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, double le
   for (const TimeWindow& window : kept) others.push_back({window, ""});
   // Too short pieces go with what they lie beside.
   std::vector<RejectedWindow> all;
-  for (const TimeWindow& window : windowsWithout(windows, others)) all.push_back({window, kReason});
+  for (const TimeWindow& window : windowsWithout(windows, others)) all.push_back({window, kDoesNotFollow});
   *rejected = std::move(all);
   return kept;
 }

@@ -5,6 +5,9 @@
 
 namespace polyfly {
 
+/// Reason of the windows that keepWhatFollows leaves out.
+constexpr const char* kDoesNotFollow = "the response does not follow the command as elsewhere";
+
 /// Takes out of the chosen windows the stretches in which the response does not follow the command as it does
 /// elsewhere, and tells them in `rejected`.
 ///

@@ -30,41 +30,67 @@ struct Stamped {
   }
 };
 
-// Index of each message behind a step, the first message and the number of messages at both ends.
-std::vector<std::size_t> edgesOf(const Stamped& messages) {
-  std::vector<std::size_t> edges = {0};
-  for (std::size_t index = 1; index < messages.stamp.size(); ++index) {
-    if (std::abs(messages.lead(index) - messages.lead(index - 1)) > kLeastClockStep) edges.push_back(index);
+// A step of the recorder's time, by the index of the message behind it.
+struct RecorderSteps {
+  std::vector<std::size_t> places;
+  // Lead of each message, without the steps of the headers.
+  std::vector<double> leads;
+
+  double greatest(std::size_t begin, std::size_t end) const {
+    return *std::max_element(leads.begin() + static_cast<std::ptrdiff_t>(begin),
+                             leads.begin() + static_cast<std::ptrdiff_t>(end));
   }
-  edges.push_back(messages.stamp.size());
-  return edges;
-}
+  // Messages that come late lead less than those in time, and the last ones lead as the first ones.
+  bool areLateness() const {
+    const double before = greatest(0, places.front());
+    return std::abs(greatest(places.back(), leads.size()) - before) <= kLeastClockStep &&
+           greatest(0, leads.size()) <= before + kLeastClockStep;
+  }
+};
 
-// The clock whose step is farther from what is usual between two messages is the one that jumped.
-bool isOfHeaders(const Stamped& messages, std::size_t index, double usual) {
-  const double stamps = messages.stamp[index] - messages.stamp[index - 1];
-  const double received = messages.received[index] - messages.received[index - 1];
-  return std::abs(stamps - usual) > std::abs(received - usual);
-}
-
-std::vector<ClockStep> stepsOf(const Stamped& messages) {
+double usualPeriod(const std::vector<double>& stamps) {
   std::vector<double> periods;
-  for (std::size_t index = 1; index < messages.stamp.size(); ++index)
-    periods.push_back(messages.stamp[index] - messages.stamp[index - 1]);
-  const double usual = median(std::move(periods));
-  const std::vector<std::size_t> edges = edgesOf(messages);
-  std::vector<ClockStep> steps;
-  for (std::size_t edge = 1; edge + 1 < edges.size(); ++edge) {
-    const std::size_t index = edges[edge];
+  for (std::size_t index = 1; index < stamps.size(); ++index)
+    periods.push_back(stamps[index] - stamps[index - 1]);
+  return median(std::move(periods));
+}
+
+void findSteps(const Stamped& messages, HeaderClock* clock) {
+  if (messages.stamp.empty()) return;
+  const double usual = usualPeriod(messages.stamp);
+  RecorderSteps recorder{{}, {messages.lead(0)}};
+  double of_headers = 0.0;
+  double best = messages.lead(0);
+  for (std::size_t index = 1; index < messages.stamp.size(); ++index) {
+    const double stamps = messages.stamp[index] - messages.stamp[index - 1];
+    const double received = messages.received[index] - messages.received[index - 1];
     const double by = messages.lead(index) - messages.lead(index - 1);
-    const bool of_headers = isOfHeaders(messages, index, usual);
-    // Messages that were held up for a while come late, and soon in time again.
-    const double lasting =
-        messages.medianLead(index, edges[edge + 1]) - messages.medianLead(edges[edge - 1], index);
-    if (!of_headers && std::abs(lasting) <= kLeastClockStep) continue;
-    steps.push_back({messages.received[index], by, of_headers});
+    const double lead = messages.lead(index) - of_headers;
+    if (std::abs(by) > kLeastClockStep) {
+      // A recorder that was late is in time again where messages between were lost.
+      const bool caught_up = by > 0.0 && stamps > 0.0 && lead <= best + kLeastClockStep;
+      // The clock whose step is farther from what is usual between two messages is the one that jumped.
+      if (!caught_up && std::abs(stamps - usual) > std::abs(received - usual)) {
+        clock->steps.push_back({messages.received[index], by, true});
+        of_headers += by;
+      } else {
+        recorder.places.push_back(index);
+      }
+    }
+    recorder.leads.push_back(messages.lead(index) - of_headers);
+    best = std::max(best, recorder.leads.back());
   }
-  return steps;
+  if (recorder.places.empty()) return;
+  if (recorder.areLateness()) {
+    clock->late = recorder.greatest(0, recorder.places.front()) -
+                  *std::min_element(recorder.leads.begin(), recorder.leads.end());
+    return;
+  }
+  for (const std::size_t index : recorder.places)
+    clock->steps.push_back(
+        {messages.received[index], messages.lead(index) - messages.lead(index - 1), false});
+  std::sort(clock->steps.begin(), clock->steps.end(),
+            [](const ClockStep& one, const ClockStep& other) { return one.at < other.at; });
 }
 
 std::string clauseOn(const ClockStep& step, double start) {
@@ -95,7 +121,7 @@ HeaderClock headerClock(const std::vector<double>& stamps, const std::vector<dou
     messages.stamp.push_back(stamps[index]);
     messages.received.push_back(received[index]);
   }
-  clock.steps = stepsOf(messages);
+  findSteps(messages, &clock);
   clock.lead = messages.medianLead(0, messages.stamp.size());
   return clock;
 }

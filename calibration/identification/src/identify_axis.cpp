@@ -183,6 +183,20 @@ std::vector<LoopSegment> validationSegments(const AxisRecords& records, const Lo
 
 }  // namespace
 
+double AxisModel::usedTime() const {
+  double used = 0.0;
+  for (const TimeWindow& window : choice.windows) used += window.to - window.from;
+  return used;
+}
+
+double AxisModel::movingTime() const {
+  double moving = usedTime();
+  for (const RejectedWindow& rejected : choice.rejected) {
+    if (rejected.reason == kDoesNotFollow) moving += rejected.window.to - rejected.window.from;
+  }
+  return moving;
+}
+
 const ControllerModel* AxisModel::findModel(const std::string& key) const {
   for (const ControllerModel& one : controller_models) {
     if (one.key == key) return &one;
@@ -191,8 +205,10 @@ const ControllerModel* AxisModel::findModel(const std::string& key) const {
 }
 
 void judgeModels(const FitOptions& bounds, AxisModel* model) {
-  for (ControllerModel& one : model->controller_models)
+  for (ControllerModel& one : model->controller_models) {
     one.reasons = reasonsAgainst(one, model->axis, bounds);
+    if (model->lead > 0.0) one.reasons.push_back(leadSentence(model->lead));
+  }
   const ControllerModel* handed_out = model->findModel("model_without_delay");
   model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
 }
@@ -259,6 +275,7 @@ void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisMod
   }
   model->frequency_response = measureFrequencyResponse(model->segments, blockLength(model->segments),
                                                        kGreatestFrequency, kFrequencyPoints);
+  model->lead = leadOf(model->with_delay, model->segments, fit);
   model->warnings = diagnose(*model, records, fit);
   judgeModels(fit, model);
 }

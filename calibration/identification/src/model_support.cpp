@@ -10,10 +10,10 @@
 namespace polyfly {
 namespace {
 
-// Greatest standard error of a gain, relative to its value.
-constexpr double kVagueModelGain = 0.08;
-// Greatest standard error of every other number but the delay, relative to its value.
-constexpr double kVagueModelNumber = 0.25;
+// Greatest half width of a gain's interval, relative to its value.
+constexpr double kWidestGain = 0.16;
+// Greatest half width of every other number's interval but the delay's, relative to its value.
+constexpr double kWidestNumber = 0.5;
 // Gain below which command and response have different units. They also have above its inverse.
 constexpr double kGainOfOtherUnit = 0.25;
 // Share of the search range from which on a number lies at its upper end.
@@ -64,18 +64,12 @@ void addIntervalReasons(const ControllerModel& model, std::vector<std::string>* 
                                 one.name.c_str(), one.least(), one.greatest()));
       continue;
     }
-    const double allowed = one.name == "gain" ? kVagueModelGain : kVagueModelNumber;
-    if (one.standard_error <= allowed * one.value) continue;
-    if (one.between_flights > allowed * one.value) {
-      reasons->push_back(
-          reason("The flights differ in %s: the standard error of %.2g is above %.0f %% of %.3g.",
-                 one.name.c_str(), one.standard_error, 100.0 * allowed, one.value));
-    } else {
-      reasons->push_back(
-          reason("Too little excitation for %s: the standard error of %.2g is above %.0f %% of "
-                 "%.3g.",
-                 one.name.c_str(), one.standard_error, 100.0 * allowed, one.value));
-    }
+    const double allowed = one.name == "gain" ? kWidestGain : kWidestNumber;
+    if (one.half_width <= allowed * one.value) continue;
+    const char* why = one.between_flights > 0.0 ? "The flights differ in" : "Too little excitation for";
+    reasons->push_back(
+        reason("%s %s: its 95 %% interval, %.3g .. %.3g, reaches further than %.0f %% of %.3g.", why,
+               one.name.c_str(), one.least(), one.greatest(), 100.0 * allowed, one.value));
   }
 }
 

@@ -247,6 +247,7 @@ AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptio
   FitOptions bounds = options.fit;
   bounds.order = LoopOrder::kFirst;
   bounds.with_delay = true;
+  for (const IdentifiedFlight& flight : flights) model.lead = std::max(model.lead, flight.model.lead);
   model.warnings = diagnose(model, records, bounds);
   poolModels(flights, &model);
   addWarnings(flights, &model);

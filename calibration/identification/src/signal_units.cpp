@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <optional>
 
 #include "identification/excitation.hpp"
+#include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -30,13 +33,16 @@ constexpr std::size_t kLeastCompared = 50;
 // Deviation of a rate from which on it is that of a flight [rad/s], and of an angle [rad].
 constexpr double kFlightRate = 0.05;
 constexpr double kFlightAngle = 0.005;
-// An angle is beyond pi if it is so for this share of the time, or this many times.
-constexpr double kBeyondShare = 0.1;
-constexpr int kBeyondTimes = 3;
+// An angle is beyond pi if it is so for this share of the flight.
+constexpr double kBeyondShare = 0.005;
+// Share of the record that must be flight for the units to be judged in it.
+constexpr double kLeastFlown = 0.5;
 // Gravity as the accelerometer may show it, as a ratio.
 constexpr double kForceMargin = 1.5;
 constexpr double kGravityShown = 9.80665;  // [m/s^2]
 constexpr double kLongestLag = 1.0;        // [s]
+// Behind a place: its angles are degrees.
+constexpr const char* kDegreeMark = ":deg";
 
 std::string unitText(const char* format, double value) {
   char buffer[200];
@@ -139,24 +145,33 @@ std::optional<double> knownFactor(double ratio) {
   return std::nullopt;
 }
 
-// Whether an angle lies beyond pi as no angle in radians does, but for a vehicle that tumbles once.
+// Whether an angle lies beyond pi, as none in radians does in flight.
 bool isBeyond(const TimeSeries& series) {
-  std::size_t beyond = 0;
-  int times = 0;
-  bool before = false;
-  for (const double value : series.value) {
-    const bool now = std::abs(value) > kHalfTurn + kFlightAngle;
-    beyond += now ? 1 : 0;
-    times += now && !before ? 1 : 0;
-    before = now;
+  const auto beyond = std::count_if(series.value.begin(), series.value.end(),
+                                    [](double value) { return std::abs(value) > kHalfTurn + kFlightAngle; });
+  return static_cast<double>(beyond) > kBeyondShare * static_cast<double>(series.value.size());
+}
+
+// Where units are not judged: what is no flight, if all signals are in their units and the rest is most of the record.
+// With other units hardly anything is flight.
+std::vector<TimeWindow> withoutUnits(const FlightSignals& signals, bool on_ground) {
+  std::vector<TimeWindow> windows;
+  double left_out = 0.0;
+  for (const RejectedWindow& one : findNonFlight(signals, on_ground)) {
+    windows.push_back(one.window);
+    left_out += one.window.to - one.window.from;
   }
-  return static_cast<double>(beyond) > kBeyondShare * static_cast<double>(series.value.size()) ||
-         times >= kBeyondTimes;
+  double whole = 0.0;
+  for (const auto& [name, series] : signals.series) {
+    if (!series.time.empty()) whole = std::max(whole, series.time.back() - series.time.front());
+  }
+  return left_out < kLeastFlown * whole ? windows : std::vector<TimeWindow>();
 }
 
 class Settlement {
  public:
-  explicit Settlement(FlightSignals* signals) : signals_(*signals) {}
+  Settlement(FlightSignals* signals, bool on_ground)
+      : signals_(*signals), left_out_(withoutUnits(*signals, on_ground)) {}
 
   std::vector<std::string> run() {
     const bool roll = angle("roll", "gyro_x");
@@ -176,6 +191,11 @@ class Settlement {
     for (double& value : signals_.series[name].value) value *= factor;
   }
 
+  // Samples of the flight.
+  TimeSeries inFlight(const std::string& name) const {
+    return without(cleanSignal(signals_, name), left_out_);
+  }
+
   // Says by how much, and divides.
   void convert(const std::string& name, const std::string& other, double factor) {
     remarks_.push_back(name + unitText(" is %.3g times what ", factor) + other +
@@ -186,18 +206,20 @@ class Settlement {
   [[noreturn]] void refuse(const std::string& name, const std::string& why) const {
     const auto origin = signals_.origin.find(name);
     const std::string place = origin == signals_.origin.end() ? "PLACE" : origin->second;
-    throw Error(signals_.source + ": " + name + ": " + why + "; --signal " + name + "=" + place +
-                ":deg takes it for degrees");
+    const bool degrees = endsWith(place, kDegreeMark);
+    throw Error(signals_.source + ": " + name + ": " + why + "; --signal " + name + "=" +
+                (degrees ? place.substr(0, place.size() - std::strlen(kDegreeMark)) + " takes it for radians"
+                         : place + kDegreeMark + " takes it for degrees"));
   }
 
   // True: the angle is in radians, by its rate.
   bool angle(const std::string& name, const std::string& rate) {
-    const TimeSeries measured = cleanSignal(signals_, name);
-    const TimeSeries turning = cleanSignal(signals_, rate);
+    const TimeSeries measured = inFlight(name);
+    const TimeSeries turning = inFlight(rate);
     const Comparison found = changeAgainstRate(measured, turning);
     const bool beyond = name != "yaw" && isBeyond(measured);
     if (!found.tells()) {
-      if (beyond) refuse(name, "lies beyond pi again and again, and no gyro tells its unit; factor 57.3?");
+      if (beyond) refuse(name, "lies beyond pi in flight, and no gyro tells its unit; factor 57.3?");
       return false;
     }
     if (found.correlation < 0.0)
@@ -223,8 +245,8 @@ class Settlement {
   // True: the yaw rate is that of the gyro.
   bool rate() {
     if (!signals_.has("gyro_z") || !signals_.has("yaw_rate")) return false;
-    const TimeSeries rate = cleanSignal(signals_, "yaw_rate");
-    const Comparison found = valueAgainstValue(rate, cleanSignal(signals_, "gyro_z"));
+    const TimeSeries rate = inFlight("yaw_rate");
+    const Comparison found = valueAgainstValue(rate, inFlight("gyro_z"));
     if (!found.tells()) return false;
     if (found.correlation < 0.0)
       remarks_.emplace_back("yaw_rate and gyro_z have opposite signs: one of them is of another frame");
@@ -235,8 +257,8 @@ class Settlement {
 
   void command(const std::string& axis, bool response_is_right) {
     const std::string name = axis + "_cmd";
-    const TimeSeries asked = cleanSignal(signals_, name);
-    const TimeSeries answered = cleanSignal(signals_, axis);
+    const TimeSeries asked = inFlight(name);
+    const TimeSeries answered = inFlight(axis);
     if (asked.time.size() < 2 || answered.time.size() < kLeastCompared) return;
     const TimeWindow whole = {std::max(asked.time.front(), answered.time.front()), answered.time.back()};
     double follows = 0.0;
@@ -251,7 +273,7 @@ class Settlement {
   }
 
   void force() {
-    std::vector<double> values = cleanSignal(signals_, "specific_force_z").value;
+    std::vector<double> values = inFlight("specific_force_z").value;
     if (values.size() < kLeastCompared) return;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -281,11 +303,14 @@ class Settlement {
   }
 
   FlightSignals& signals_;
+  std::vector<TimeWindow> left_out_;
   std::vector<std::string> remarks_;
 };
 
 }  // namespace
 
-std::vector<std::string> settleUnits(FlightSignals* signals) { return Settlement(signals).run(); }
+std::vector<std::string> settleUnits(FlightSignals* signals, bool on_ground) {
+  return Settlement(signals, on_ground).run();
+}
 
 }  // namespace polyfly

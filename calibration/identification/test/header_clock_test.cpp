@@ -82,6 +82,39 @@ TEST(HeaderClock, IsSteadyWhereMessagesComeLate) {
   EXPECT_TRUE(clock.steps.empty());
 }
 
+// On a busy machine the recorder falls behind in several steps, at last by 3.4 s, and catches up message by message,
+// or loses some of those that wait.
+TEST(HeaderClock, IsSteadyWhereTheRecorderIsLateInSteps) {
+  for (const bool loses : {false, true}) {
+    Record record = steadyRecord();
+    double late = 0.0;
+    for (std::size_t message = 0; message < kMessages; ++message) {
+      if (message == 300 || message == 320 || message == 330 || message == 900) late += 0.85;
+      late = std::max(0.0, late - (message > 400 ? 0.9 * kPeriod : 0.0));
+      record.received[message] += late;
+    }
+    if (loses) {
+      const auto from = static_cast<std::ptrdiff_t>(420);
+      record.stamps.erase(record.stamps.begin() + from, record.stamps.begin() + from + 130);
+      record.received.erase(record.received.begin() + from, record.received.begin() + from + 130);
+    }
+    const HeaderClock clock = record.clock();
+    EXPECT_TRUE(clock.isSteady());
+    EXPECT_TRUE(clock.steps.empty()) << clausesOn(clock, 1000.0).front();
+    EXPECT_NEAR(clock.late, 2.55, 0.1);
+  }
+}
+
+// A recorder whose clock is set back receives messages before they were sent, which no lateness does.
+TEST(HeaderClock, TellsARecorderThatIsSetBackAndForth) {
+  Record record = steadyRecord();
+  shift(&record.received, 300, -2.0);
+  shift(&record.received, 900, 2.0);
+  const HeaderClock clock = record.clock();
+  EXPECT_EQ(clock.steps.size(), 2u);
+  EXPECT_EQ(clock.late, 0.0);
+}
+
 // Nothing was sent for a minute: both clocks went on.
 TEST(HeaderClock, IsSteadyWhereNothingWasSent) {
   Record record = steadyRecord();

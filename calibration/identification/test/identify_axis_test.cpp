@@ -99,6 +99,24 @@ TEST(IdentifyAxis, WarnsOfTooLittleExcitation) {
   EXPECT_TRUE(warnsOf(model, "Too little excitation")) << all(model);
 }
 
+// In the last quarter of the moves the loop has half its gain, as after a failure.
+TEST(IdentifyAxis, TellsWhichShareOfTheFlightWasUsed) {
+  test::MadeLoop made;
+  made.duration = 60.0;
+  AxisRecords records = madeAxis(made, 1);
+  const AxisModel whole = identifyAxis(records, {});
+  EXPECT_GT(whole.usedTime(), 0.95 * whole.movingTime());
+  EXPECT_FALSE(warnsOf(whole, "follows the command in"));
+  const TimeWindow last = whole.choice.windows.back();
+  const double from = last.to - 0.25 * whole.movingTime();
+  for (std::size_t i = 0; i < records.training.response.time.size(); ++i) {
+    if (records.training.response.time[i] > from) records.training.response.value[i] *= 0.5;
+  }
+  const AxisModel model = identifyAxis(records, {});
+  EXPECT_NEAR(model.usedTime() / model.movingTime(), 0.75, 0.06);
+  EXPECT_TRUE(warnsOf(model, "follows the command in")) << all(model);
+}
+
 TEST(IdentifyAxis, WarnsOfSaturation) {
   AxisRecords records = madeAxis({}, 1);
   for (double& value : records.training.response.value) value = std::fmax(-0.17, std::fmin(0.17, value));

@@ -155,6 +155,32 @@ class ReasonsAgainst : public testing::Test {
   ControllerModel sound_;
 };
 
+// What is handed out is the interval: of two flights it is much wider than the standard error says.
+TEST_F(ReasonsAgainst, JudgeTheIntervalThatIsHandedOut) {
+  ControllerModel model = sound_;
+  FittedParameter& gain = parameter(&model, "gain");
+  gain.value = model.fit.gain = 1.025;
+  gain.standard_error = gain.between_flights = 0.0594;
+  gain.half_width = 0.755;
+  EXPECT_EQ(reasonOf(model).find("The flights differ in gain: its 95 % interval, 0.27 .. 1.78"), 0u)
+      << reasonOf(model);
+}
+
+// Stamps of the response that are early, or of the command that are late: a controller would be promised a quicker loop.
+TEST(IdentifyAxis, AResponseThatLeadsItsCommandIsNoSupport) {
+  test::MadeLoop made;
+  made.gain = 0.97;
+  made.tau = 0.14;
+  made.delay = 0.02;
+  LoopRecord record = test::makeFlight(made, 4);
+  EXPECT_TRUE(identified(record).supported);
+  for (double& time : record.command.time) time += 0.1;
+  const AxisModel model = identified(record, true);
+  EXPECT_NEAR(model.lead, 0.08, 0.02);
+  for (const ControllerModel& one : model.controller_models)
+    EXPECT_NE(all(one).find("before its command"), std::string::npos) << one.key;
+}
+
 TEST_F(ReasonsAgainst, AreNoneOfASoundModel) { EXPECT_EQ(reasonOf(sound_), ""); }
 
 TEST_F(ReasonsAgainst, NameEachBar) {
@@ -174,7 +200,7 @@ TEST_F(ReasonsAgainst, NameEachBar) {
   parameter(&model, "tau").half_width = NAN;
   EXPECT_EQ(reasonOf(model).find("The 95 % interval of tau,"), 0u) << reasonOf(model);
   model = sound_;
-  parameter(&model, "gain").standard_error = 0.1;
+  parameter(&model, "gain").half_width = 0.17;
   EXPECT_EQ(reasonOf(model).find("Too little excitation for gain"), 0u) << reasonOf(model);
   model = sound_;
   model.fit.gain = 57.3;

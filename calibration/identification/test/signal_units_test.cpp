@@ -61,6 +61,40 @@ TEST(SignalUnits, SayNothingOfGoodSignals) {
   }
 }
 
+// A tumble in which roll is counted beyond half a turn, again and again, and no gyro is there to tell the unit.
+TEST(SignalUnits, AreJudgedWithinFlight) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    test::MadeStretches made;
+    made.tumbles = 2.0;
+    FlightSignals flight = test::makeStretches(made, seed).signals;
+    for (const char* gyro : {"gyro_x", "gyro_y", "gyro_z"}) flight.series.erase(gyro);
+    TimeSeries& roll = flight.series.at("roll");
+    const double crash = roll.time.back() - made.tumbles;
+    for (std::size_t i = 0; i < roll.time.size(); ++i) {
+      if (roll.time[i] > crash) roll.value[i] = 1.0 + 2.6 * std::sin(12.0 * (roll.time[i] - crash));
+    }
+    FlightSignals degrees = flight;
+    EXPECT_NO_THROW(settleUnits(&flight)) << seed;
+    for (const char* name : {"roll", "roll_cmd"}) scale(&degrees, name, kDegreesPerUnit);
+    EXPECT_THROW(settleUnits(&degrees), Error) << seed;
+  }
+}
+
+TEST(SignalUnits, AdviseTheOtherUnitThanThatWhichWasChosen) {
+  FlightSignals signals = madeSignals();
+  signals.series.erase("gyro_x");
+  scale(&signals, "roll", kDegreesPerUnit);
+  signals.origin["roll"] = "ATT:Roll:deg";
+  try {
+    settleUnits(&signals);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("--signal roll=ATT:Roll takes it for radians"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(SignalUnits, TakeCentidegreesForWhatTheyAre) {
   FlightSignals signals = madeSignals();
   scale(&signals, "yaw_rate", 100.0);

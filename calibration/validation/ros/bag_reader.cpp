@@ -4,6 +4,8 @@
 #include <std_msgs/String.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -207,6 +209,16 @@ class LogBuilder {
   std::string refusal_;
 };
 
+// One clause for all topics, since one recorder received them all. Empty where it was in time.
+std::string latenessClause(const std::vector<FlightLog::TopicClock>& clocks) {
+  double late = 0.0;
+  for (const FlightLog::TopicClock& topic : clocks) late = std::max(late, topic.clock.late);
+  if (late == 0.0) return "";
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "the recorder was late by up to %.2g s and caught up", late);
+  return text.data();
+}
+
 class BagReader {
  public:
   BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress,
@@ -235,6 +247,8 @@ class BagReader {
     log.clocks = clocks;
     log.share = reader_.share();
     log.remarks = reader_.remarks();
+    const std::string lateness = latenessClause(clocks);
+    if (!lateness.empty()) log.remarks.push_back(lateness);
     return log;
   }
 

@@ -32,6 +32,7 @@ std::string TopicReader::findPrefix(const std::string& name_space, const std::st
 
 void TopicReader::scan(const std::vector<std::string>& names, const BagProgress& progress) {
   held_.clear();
+  repeated_.clear();
   polyfly::BagVisitor visitor;
   visitor.progress = progress;
   visitor.wants = [&](const polyfly::BagConnection& connection) {
@@ -47,7 +48,26 @@ void TopicReader::scan(const std::vector<std::string>& names, const BagProgress&
   health_ = polyfly::scanBag(path_, visitor);
   std::stable_sort(held_.begin(), held_.end(),
                    [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
+  leaveRepeatsOut();
   if (types_.empty()) throw Error(path_ + ": holds no message" + remarkText());
+}
+
+// A publisher numbers its messages, so no two of them are the same.
+void TopicReader::leaveRepeatsOut() {
+  std::vector<HeldMessage> once;
+  once.reserve(held_.size());
+  // Place of each topic's message before.
+  std::map<std::string, std::size_t> before;
+  for (HeldMessage& held : held_) {
+    const auto [place, is_first] = before.try_emplace(held.topic, once.size());
+    if (!is_first && once[place->second].bytes == held.bytes) {
+      ++repeated_[held.topic];
+      continue;
+    }
+    place->second = once.size();
+    once.push_back(std::move(held));
+  }
+  held_ = std::move(once);
 }
 
 void TopicReader::checkType(const std::string& topic, const std::string& type,
@@ -93,6 +113,9 @@ std::vector<std::string> TopicReader::remarks() const {
     remarks.push_back("topic " + topic + ": " + std::to_string(count) +
                       " messages are not what their definition says and were left out");
   }
+  for (const auto& [topic, count] : repeated_)
+    remarks.push_back("topic " + topic + ": " + std::to_string(count) +
+                      " messages are recorded again; each counts once");
   return remarks;
 }
 

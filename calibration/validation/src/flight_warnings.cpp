@@ -20,6 +20,8 @@ namespace {
 constexpr double kFrameError = 0.5;
 // Greatest share of the position error that is left over in the frame that is meant.
 constexpr double kFrameShare = 0.5;
+// Longest time between two samples whose positions tell a velocity [s].
+constexpr double kLongestPeriod = 0.5;
 // Least root mean square difference of commands that is worth a sentence [rad].
 constexpr double kLeastAngle = 2e-3;
 // Least difference of commands that is worth a sentence, relative to the commands.
@@ -179,6 +181,28 @@ void warnOfFrames(const std::vector<ReplaySample>& samples, std::vector<std::str
       "where east-north-up is meant. Nothing else here can be relied on.");
 }
 
+// Velocities against the differences of positions: as they are, and as if the twist had been in the world's frame.
+void warnOfTwist(const FlightLog& log, std::vector<std::string>* warnings) {
+  double moved = 0.0, as_is = 0.0, turned = 0.0;
+  for (std::size_t i = 1; i < log.odometry.size(); ++i) {
+    const VehicleState& before = log.odometry[i - 1];
+    const VehicleState& state = log.odometry[i];
+    const double period = state.stamp - before.stamp;
+    if (!(period > 0.0 && period < kLongestPeriod)) continue;
+    const Eigen::Vector3d velocity = (state.position - before.position) / period;
+    const Eigen::Vector3d twist = state.attitude.inverse() * state.velocity;
+    if (!(velocity + state.velocity + twist).allFinite()) continue;
+    moved += velocity.squaredNorm();
+    as_is += (velocity - state.velocity).squaredNorm();
+    turned += (velocity - twist).squaredNorm();
+  }
+  const bool agree = !(std::sqrt(as_is) > kFrameShare * std::sqrt(moved));
+  if (agree || std::sqrt(turned) > kFrameShare * std::sqrt(as_is)) return;
+  warnings->push_back(
+      "The odometry's velocity does not lead from position to position, but in the world's frame it would: "
+      "its twist must be in the body's frame, in m/s. The controller flew by wrong velocities.");
+}
+
 // Gain and mean lag (with the delay) of the way from a command to an angle.
 struct Loop {
   double gain = 0.0;
@@ -259,6 +283,7 @@ std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<
   std::vector<std::string> warnings;
   warnOfClock(log, &warnings);
   warnOfFrames(samples, &warnings);
+  warnOfTwist(log, &warnings);
   warnOfCommands(log, samples, options, &warnings);
   warnOfModels(log, maps, options.delay, &warnings);
   return warnings;

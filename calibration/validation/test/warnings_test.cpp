@@ -55,6 +55,21 @@ TEST_F(Warnings, NoneForAFlightThatFits) {
   EXPECT_TRUE(validated(syntheticFlight(maps_.axes())).warnings.empty());
 }
 
+// A circle with the nose along it: in the body the velocity is forward all the time, in the world it turns.
+TEST_F(Warnings, TellATwistInTheWorldsFrame) {
+  for (const bool of_world : {false, true}) {
+    FlightLog log = syntheticFlight(maps_.axes());
+    for (VehicleState& state : log.odometry) {
+      const double turned = state.stamp;
+      const Eigen::Vector3d velocity(-3.0 * std::sin(turned), 3.0 * std::cos(turned), 0.0);
+      state.position = {3.0 * std::cos(turned), 3.0 * std::sin(turned), 2.0};
+      state.attitude = Eigen::AngleAxisd(turned + 1.5707963, Eigen::Vector3d::UnitZ());
+      state.velocity = of_world ? state.attitude * velocity : velocity;
+    }
+    EXPECT_EQ(has(validated(log), "its twist must be in the body's frame, in m/s"), of_world);
+  }
+}
+
 TEST_F(Warnings, TellAWrongSign) {
   FlightLog log = syntheticFlight(maps_.axes());
   for (FlightLog::Command& command : log.commands) command.command.roll *= -1.0;

@@ -26,6 +26,7 @@ struct AutopilotLog {
   /// By the message's name. Further instances (a second accelerometer) as `sensor_accel[1]`, `IMU[1]`.
   std::map<std::string, LogTable> tables;
   std::map<std::string, std::size_t> counts;  ///< rows of every message of the log, also of those not kept
+  bool lossy = false;                         ///< parts of the record are lost
   std::vector<std::string> remarks;           ///< sentences: cut off, skipped, damaged, lost while logging
 };
 
@@ -36,7 +37,8 @@ bool isDataflash(const std::string& path);
 /// Reads a PX4 log (ULog, version 0 and 1; docs.px4.io) or an ArduPilot dataflash log (.bin; its FMT messages
 /// describe the others). Only tables whose name without instance is in `wanted` are kept, all if it is empty. The
 /// file is read once in pieces and not changed. What cannot be read is left out and told in remarks: a message that
-/// was cut off, or one of an unknown or damaged format. In a dataflash log the next message is searched for. Throws
+/// was cut off, or one of an unknown or damaged format. Behind damage the next message is searched for. In a ULog a
+/// message counts where its size and content are those of its type, and another one follows it or the file ends. Throws
 /// Error naming file and rule: missing, empty, another format, a ULog that needs features that are unknown, no
 /// message at all.
 AutopilotLog readULog(const std::string& path, const std::vector<std::string>& wanted = {});

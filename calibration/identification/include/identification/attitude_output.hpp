@@ -17,6 +17,8 @@ struct AttitudeCalibration {
   std::optional<Provenance> validation;
   RecognisedVehicle vehicle;
   std::vector<AxisModel> axes;
+  /// True: parts of a flight's record are lost. The remarks say which.
+  bool lossy = false;
   std::vector<std::string> remarks;  ///< sentences: what was wrong with the files
   std::vector<std::string> failed;   ///< sentences: axes that could not be identified
 };

@@ -41,6 +41,8 @@ struct FlightSignals {
   bool thrust_is_share = false;
   /// Sentences on how the file was read.
   std::vector<std::string> remarks;
+  /// True: parts of the record are lost, as of a bag that was cut off.
+  bool lossy = false;
   /// Stretches in which the vehicle does not fly, see findNonFlight. A reader leaves them empty.
   std::vector<RejectedWindow> not_flight;
   /// Columns, topics or tables of the file, whatever they hold.

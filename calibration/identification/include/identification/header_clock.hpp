@@ -19,6 +19,9 @@ struct HeaderClock {
   std::size_t without_stamp = 0;
   /// Steps of more than kLeastClockStep. Messages that were only received late make none.
   std::vector<ClockStep> steps;
+  /// Greatest time by which a recorder that caught up was late [s]; 0 where it was never late by more than
+  /// kLeastClockStep.
+  double late = 0.0;
   /// Median of stamp - receive time [s]; 0 where no message has a stamp.
   double lead = 0.0;
 

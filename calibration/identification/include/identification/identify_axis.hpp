@@ -84,11 +84,17 @@ struct AxisModel {
   /// What controllers can be given, each with its own evaluation: of thrust only `model`.
   std::vector<ControllerModel> controller_models;
   std::vector<FrequencyPoint> frequency_response;
+  /// Time by which the response leads its command [s]; 0 where it does not.
+  double lead = 0.0;
   /// Sentences on what the data do not support.
   std::vector<std::string> warnings;
   /// Whether the model that problem files take is supported: the one without delay, of thrust the one with.
   bool supported = true;
 
+  /// Time that was used [s].
+  double usedTime() const;
+  /// Time in which the command moves: what was used, and what was left out because the response does not follow [s].
+  double movingTime() const;
   /// None if there is no model with this key.
   const ControllerModel* findModel(const std::string& key) const;
 };

@@ -76,6 +76,9 @@ std::string whyUnusable(const TimeSeries& series);
 std::vector<TimeWindow> cutAtFarSteps(const std::vector<TimeWindow>& windows,
                                       const std::vector<double>& time);
 
+/// The series without what lies in the windows.
+TimeSeries without(const TimeSeries& series, const std::vector<TimeWindow>& windows);
+
 /// What is left of the windows without the others, in order of time.
 std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
                                        const std::vector<RejectedWindow>& others);

@@ -19,6 +19,8 @@ struct MotionCalibration {
   std::vector<Provenance> data;
   RecognisedVehicle vehicle;
   /// Sentences on what was wrong with the file.
+  /// True: parts of a flight's record are lost. The remarks say which.
+  bool lossy = false;
   std::vector<std::string> remarks;
   /// Windows that were used, one list for each flight. Empty: the whole record.
   std::vector<std::vector<TimeWindow>> windows;

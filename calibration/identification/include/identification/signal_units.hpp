@@ -18,7 +18,10 @@ namespace polyfly {
 /// (hundredths of degrees) or 100, up to 30 %. The size of one of them cannot be that of a flight. Returns a sentence
 /// for each signal that was converted or dropped, and for each sign that differs. Drops an accelerometer without
 /// gravity. Throws Error naming file, signal and factor where a factor is clear but not which of two signals is
-/// wrong. Also where an angle is beyond pi again and again and no rate tells its unit.
-std::vector<std::string> settleUnits(FlightSignals* signals);
+/// wrong. Also where an angle is beyond pi in flight and no rate tells its unit.
+///
+/// Only flight is judged: upsets and ground (findNonFlight, `on_ground` as there) are left out where most of the record is
+/// flight.
+std::vector<std::string> settleUnits(FlightSignals* signals, bool on_ground = false);
 
 }  // namespace polyfly

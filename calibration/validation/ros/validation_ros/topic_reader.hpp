@@ -113,6 +113,7 @@ class TopicReader {
     std::vector<std::uint8_t> bytes;
   };
 
+  void leaveRepeatsOut();
   void checkType(const std::string& topic, const std::string& type, const std::string& md5sum) const;
 
   std::string path_;
@@ -123,6 +124,8 @@ class TopicReader {
   std::vector<HeldMessage> held_;
   // Number of misfits by topic.
   std::map<std::string, std::size_t> misfits_;
+  // Number of messages that repeat the one before, by topic.
+  std::map<std::string, std::size_t> repeated_;
   std::map<std::string, std::function<void(const HeldMessage&)>> handlers_;
 };
 

@@ -5,6 +5,7 @@
 #include <std_msgs/String.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -96,6 +97,33 @@ TEST_F(BagReader, givesBackWhatWasWrittenWithEachCompression) {
     EXPECT_NEAR(read.statuses[7].step_time, 1e-6, 1e-15);
     expectExactReplay(read, 200);
   }
+}
+
+TEST_F(BagReader, countsMessagesThatAreRecordedTwiceOnce) {
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  for (int time = 0; time < 2; ++time) writeFlight(log_, {}, &bag);
+  bag.close();
+  const FlightLog read = readBag(path(), {});
+  expectExactReplay(read, 200);
+  const auto told = [](const std::string& remark) {
+    return remark.find("odometry: 200 messages are recorded again; each counts once") != std::string::npos;
+  };
+  EXPECT_TRUE(std::any_of(read.remarks.begin(), read.remarks.end(), told));
+}
+
+// Early in the flight the recorder falls behind by 1.4 s in steps, and catches up.
+TEST_F(BagReader, aLateRecorderIsANote) {
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  FlightBagOptions options;
+  options.late = {{100.2, 0.7}, {100.3, 1.4}, {100.35, 0.0}};
+  writeFlight(log_, options, &bag);
+  bag.close();
+  const FlightLog read = readBag(path(), {});
+  expectExactReplay(read, 200);
+  const auto replayed = polyfly::replay(read, maps_.axes(), options_);
+  EXPECT_TRUE(polyfly::validate(read, replayed, maps_.axes(), options_).warnings.empty());
+  ASSERT_FALSE(read.remarks.empty());
+  EXPECT_EQ(read.remarks.back(), "the recorder was late by up to 1.4 s and caught up");
 }
 
 TEST_F(BagReader, readsEachStatusThatTheMessageDefines) {

@@ -7,6 +7,7 @@
 #include <online_controller/ControllerStatus.h>
 #include <std_msgs/String.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 
@@ -112,7 +113,13 @@ void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::
     message.vector.z = disturbance.acceleration.z();
     arrive(message.header.stamp, "ground_truth/disturbance", message);
   }
-  for (const auto& [time, write] : arrivals) write(time);
+  ros::Time last = ros::TIME_MIN;
+  for (const auto& [time, write] : arrivals) {
+    double late = 0.0;
+    for (const auto& [from, by] : options.late) late = time.toSec() >= from ? by : late;
+    last = std::max(last, time + ros::Duration(late));
+    write(last);
+  }
 }
 
 void writeFlightBag(const FlightLog& log, const std::string& path, const FlightBagOptions& options) {

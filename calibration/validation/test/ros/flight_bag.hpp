@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "validation/flight_log.hpp"
 
@@ -18,6 +19,8 @@ struct FlightBagOptions {
   double arrival_shift = 0.0;
   /// From this stamp on the headers' clock of commands is ahead by the second number [s]; the recorder's is not.
   std::pair<double, double> command_jump = {0.0, 0.0};
+  /// How late the recorder is from these times on [s], in order. Messages come in one after the other.
+  std::vector<std::pair<double, double>> late;
   /// Bytes after which a chunk ends.
   std::uint32_t chunk_threshold = 20000;
   /// Whether to write odometry, references, commands and statuses.
