@@ -215,7 +215,7 @@ TEST_F(FilterCommand, TheProofAllowsTheErrorOfTheExportedCodeOrTheCommandTells) 
   EXPECT_LE(facts["error_bound"][0], 0.005);
   ASSERT_EQ(run({"verify", path("filter.map"), "--exact", "--quiet"}).exit_code, 0);
   EXPECT_EQ(start({CHECK_CERTIFICATE, "--export", path("c"), "--map", path("filter.map")}).exit_code, 0);
-  const Outcome compiled = start({"/usr/bin/env", "gcc", "-std=c99", "-O2", "-I" + path("c"),
+  const Outcome compiled = start({"/usr/bin/env", "gcc", "-std=c99", "-O2", "-DREAL=float", "-I" + path("c"),
                                   projectRoot() + "/test/bench/safety_adversary.c", path("c") + "/filter.c",
                                   "-o", path("adversary"), "-lm"});
   ASSERT_EQ(compiled.exit_code, 0) << compiled.err;
