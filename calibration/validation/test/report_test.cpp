@@ -173,7 +173,7 @@ TEST(ControllerOptions, refusesBadFilesByLineAndKey) {
   const ScratchFolder folder;
   EXPECT_EQ(optionsError(folder, "vehicle:\n  mas: 2\n"), "options.yaml:2: vehicle/mas: unknown key");
   EXPECT_EQ(optionsError(folder, "vehicle: {mass: heavy}\n"),
-            "options.yaml:1: vehicle/mass: must be a number");
+            "options.yaml:1: vehicle/mass: must be a number (decimal digits, without leading zeros)");
   EXPECT_EQ(optionsError(folder, "vehicl: {mass: 2.5}\n"),
             "options.yaml:1: vehicl: unknown group; is 'vehicle' meant?");
   EXPECT_EQ(optionsError(folder, "controller: {hold_periods: 3}\nplant: {mass: 2.5}\n"),
