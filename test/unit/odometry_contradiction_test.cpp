@@ -92,7 +92,7 @@ TEST(OdometryContradiction, AVelocityThatContradictsIsReplaced) {
   for (const Setting& setting : vehicles()) {
     for (const auto& [factor, length] : {std::pair{-1.0, 1.0}, {0.0, 1.0}, {0.5, 4.0}}) {
       const Flown flown = fly(setting, true, scaledVelocity(factor, length));
-      EXPECT_LT(flown.away, 1.2) << setting.options.mass << " " << factor;
+      EXPECT_LT(flown.away, 0.8) << setting.options.mass << " " << factor;
       EXPECT_LT(flown.last, 0.05) << setting.options.mass << " " << factor;
       EXPECT_EQ(flown.refused, 0.0);
     }
