@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <regex>
 
 #include "checksum.hpp"
 #include "code_match.hpp"
@@ -28,9 +27,9 @@ std::uint32_t wholeOf(const std::string& text, const std::string& suffix) {
 
 /// As a compiler reads the constant: of a float, to the nearest float.
 double realOf(const std::string& text, CodeType type) {
-  static const std::regex form(R"(-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?f?)");
   const bool is_float = text.back() == 'f';
-  require(std::regex_match(text, form) && text.find_first_of(".e") != std::string::npos &&
+  const std::string number = is_float ? text.substr(0, text.size() - 1) : text;
+  require(isDecimal(number) && number.find_first_of(".eE") != std::string::npos &&
               is_float == (type == CodeType::kFloat),
           text + " is no number of the code's type");
   const double value =

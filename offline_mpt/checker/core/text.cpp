@@ -6,6 +6,38 @@
 #include <utility>
 
 namespace checker {
+namespace {
+
+/// The place behind the digits that begin at `at`.
+std::size_t behindDigits(const std::string& text, std::size_t at) {
+  return std::min(text.find_first_not_of("0123456789", at), text.size());
+}
+
+/// The place behind a sign that may stand at `at`.
+std::size_t behindSign(const std::string& text, std::size_t at) {
+  return at < text.size() && (text[at] == '-' || text[at] == '+') ? at + 1 : at;
+}
+
+}  // namespace
+
+bool isDecimal(const std::string& text) {
+  const std::size_t first = behindSign(text, 0);
+  std::size_t at = behindDigits(text, first);
+  std::size_t digits = at - first;
+  if (digits > 1 && text[first] == '0') return false;
+  if (at < text.size() && text[at] == '.') {
+    const std::size_t point = at;
+    at = behindDigits(text, point + 1);
+    digits += at - point - 1;
+  }
+  if (digits == 0) return false;
+  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
+    const std::size_t exponent = behindSign(text, at + 1);
+    at = behindDigits(text, exponent);
+    if (at == exponent) return false;
+  }
+  return at == text.size();
+}
 
 bool Line::done() {
   at_ = std::min(text_.find_first_not_of(" \t\r", at_), text_.size());

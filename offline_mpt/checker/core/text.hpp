@@ -18,6 +18,10 @@ inline void require(bool condition, const std::string& rule) {
   if (!condition) throw Refused(rule);
 }
 
+/// Whether a text is one number in decimal digits: an optional sign, digits of which no zero leads, an optional point and
+/// an optional exponent. Readers of YAML, JSON and C disagree on anything else.
+bool isDecimal(const std::string& text);
+
 /// Words of one line, from the first to the last.
 class Line {
  public:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <regex>
 
 #include "core/text.hpp"
 
@@ -32,9 +31,7 @@ std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& wor
 }
 
 double numberOf(const std::string& text) {
-  static const std::regex decimal(R"([-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?)");
-  require(std::regex_match(text, decimal),
-          "problem: " + text + " is no number in decimal digits without leading zeros");
+  require(isDecimal(text), "problem: " + text + " is no number in decimal digits without leading zeros");
   const double value = std::strtod(text.c_str(), nullptr);
   require(std::isfinite(value), "problem: a number is not finite");
   return value;
