@@ -242,6 +242,12 @@ TEST(Diff, RefusesMapsThatCannotBeCompared) {
   other.inputs[0].name = "v";
   EXPECT_NE(refusal(other).find("input 0 v [m], not u [m]"), std::string::npos) << refusal(other);
   other = content;
+  // Half-spaces of x alone, because in a parameter without a range no plane has a length.
+  for (std::size_t k = 5; k < 8; ++k) {
+    other.planes[3 * k] = 0.5;
+    other.planes[3 * k + 1] = 0.0;
+    other.planes[3 * k + 2] = k == 5 ? -10.0 : 10.0;
+  }
   other.parameters[1].lower = other.parameters[1].upper;
   EXPECT_NE(refusal(other).find("parameter y has no range"), std::string::npos) << refusal(other);
 }

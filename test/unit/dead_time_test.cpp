@@ -358,6 +358,9 @@ TEST(DeadTimeOption, ReferencesAreThoseOfTheTimeOfTheCommand) {
     sample.has_velocity = true;
   }
   VehicleState state;
+  state.stamp = 1.5;
+  state.position.x() = 0.25;
+  state.velocity.x() = 0.5;
   flight.onOdometry(state, true);
   flight.onReference(ReferenceTrajectory(samples), 1.0);
   state.stamp = 2.0;

@@ -251,7 +251,8 @@ TEST(ApplyToOptions, RefusesByFileFieldAndRule) {
             std::string::npos);
   EXPECT_NE(errorOf("rest: 1\n", kMass).find("must hold groups"), std::string::npos);
   EXPECT_EQ(errorOf("vehicle: 3\n", kMass), "options.yaml: vehicle: must be a map");
-  EXPECT_EQ(errorOf("vehicle: {mass: heavy}\n", kMass), "options.yaml: vehicle/mass: must be a number");
+  EXPECT_EQ(errorOf("vehicle: {mass: heavy}\n", kMass),
+            "options.yaml: vehicle/mass: must be a number (decimal digits, without leading zeros)");
   EXPECT_EQ(errorOf("vehicle: {mass: 1}\nprovenance: [1]\n", kMass),
             "options.yaml: provenance: must be a text in double quotes");
   EXPECT_EQ(errorOf("{vehicle: {mass: 1}}\n", kMass), "options.yaml: must not begin with a brace");
