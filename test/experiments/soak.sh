@@ -21,7 +21,7 @@ build/bin/soak --maps build/demo/maps "$output/maps" --problems region_maps/prob
 # The same through the node: odometry, references and requests over topics and services.
 inWorkspace rostest -t polyfly_test soak.test maps:="$root/build/demo/maps" other_maps:="$(realpath "$output/maps")" \
   problems:="$root/region_maps/problems" duration:="${POLYFLY_SOAK_SECONDS:-1800}" seed:="${POLYFLY_SOAK_SEED:-1}" \
-  output:="$(realpath "$output")/node.json" time_limit:=3600 > "$output/node.log" 2>&1 || true
+  json:="$(realpath "$output")/node.json" time_limit:=3600 > "$output/node.log" 2>&1 || true
 [ -s "$output/node.json" ] || status=1
 grep -q '\[  PASSED  \] 1 test' "$output/node.log" || status=1
 python3 - "$output" << 'PY'

@@ -1,6 +1,6 @@
 // A soak through the node: odometry, references and requests over topics and services, commands as they are
-// sent. Private parameters: map_folders, problems (a folder), duration [s], seed, and output, a file for
-// JSON.
+// sent. Private parameters: map_folders, problems (a folder), duration [s], seed, and json, a file for
+// figures.
 #include "node_soak.hpp"
 
 #include <gtest/gtest.h>
@@ -53,8 +53,8 @@ TEST(NodeSoak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   options.laws.emplace_back("robust_explicit");
   polyfly_ros::NodeSoak controller(folders, tuning);
   const SoakResult result = soak(controller, tuning, static_cast<int>(folders.size()), options);
-  const std::string output = parameters.param<std::string>("output", "");
-  if (!output.empty()) write(output, options, result, controller.swapped());
+  const std::string json = parameters.param<std::string>("json", "");
+  if (!json.empty()) write(json, options, result, controller.swapped());
 
   EXPECT_TRUE(result.violations.empty())
       << result.violations.size() << ", first: " << result.violations.front();
