@@ -30,12 +30,37 @@ RigidBodyOptions racer() {
   return options;
 }
 
+// A hexacopter's weight, loops of 0.24 and 0.18 s, slow rotors and a delay.
+RigidBodyOptions heavy() {
+  constexpr double kSlow = 0.24, kFast = 0.18;  // [s]
+  RigidBodyOptions options;
+  options.mass = 8.0;
+  options.inertia = {0.35, 0.35, 0.6};
+  options.arm = 0.4;
+  options.rotor_up = 0.06;
+  options.rotor_down = 0.08;
+  options.rotor_max = 45.0;
+  options.drag = 0.02;
+  options.stiffness = 1.0 / (kSlow * kFast);
+  options.damping = (kSlow + kFast) / (kSlow * kFast);
+  options.moment_max = {8.0, 8.0, 2.0};
+  options.command_delay = 0.03;
+  return options;
+}
+
 /// RMS of the position error [m] on a circle from 30 to 50 s after gusts of `sigma` [m/s^2] in each axis.
-double errorAfterGusts(const RigidBodyOptions& vehicle, bool adapt_model, double sigma, std::uint64_t seed) {
+double errorAfterGusts(const RigidBodyOptions& vehicle, bool nonlinear, bool adapt_model, double sigma,
+                       std::uint64_t seed) {
   MultirotorOptions options;
   options.adapt_model = adapt_model;
   options.mass = vehicle.mass;
-  const Pilot pilot = pilotOf(std::make_shared<MultirotorController>(problemsWith(nullptr), options));
+  std::shared_ptr<ControlLaw> law;
+  if (nonlinear) {
+    law = std::make_shared<NonlinearController>(options, NonlinearMpcOptions{});
+  } else {
+    law = std::make_shared<MultirotorController>(problemsWith(nullptr), options);
+  }
+  const Pilot pilot = pilotOf(law);
   const Path path = helix(8.0, 5.0, 0.0);
   RigidBodyPlant plant(vehicle, path(0.0).position);
   GaussianSource source(seed);
@@ -56,11 +81,16 @@ double errorAfterGusts(const RigidBodyOptions& vehicle, bool adapt_model, double
 }
 
 TEST(AdaptationInGusts, AfterGustsTheCircleIsFlownAsBefore) {
-  for (const RigidBodyOptions& vehicle : {RigidBodyOptions{}, racer()}) {
-    const double without = errorAfterGusts(vehicle, false, 2.0, 1003);
-    const double with = errorAfterGusts(vehicle, true, 2.0, 1003);
-    EXPECT_LT(with, 0.02) << vehicle.mass;
-    EXPECT_LT(with, 0.2 * without) << vehicle.mass;
+  for (const bool nonlinear : {false, true}) {
+    for (const RigidBodyOptions& vehicle : {RigidBodyOptions{}, racer()}) {
+      const double without = errorAfterGusts(vehicle, nonlinear, false, 2.0, 1003);
+      const double with = errorAfterGusts(vehicle, nonlinear, true, 2.0, 1003);
+      EXPECT_LT(with, 0.02) << vehicle.mass << " " << nonlinear;
+      EXPECT_LT(with, 0.2 * without) << vehicle.mass << " " << nonlinear;
+    }
+    EXPECT_LT(errorAfterGusts(heavy(), nonlinear, true, 2.0, 1003),
+              errorAfterGusts(heavy(), nonlinear, false, 2.0, 1003))
+        << nonlinear;
   }
 }
 

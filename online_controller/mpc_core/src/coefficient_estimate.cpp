@@ -23,28 +23,22 @@ CoefficientEstimate::CoefficientEstimate(const MpcProblem& problem, const Observ
       greatest_variance_(deviation * deviation),
       variance_(greatest_variance_) {}
 
-// White noise of variance v leaves v share / 2 behind the low pass, so the mean square over that share is v. What lasts
-// longer than a period counts as much as it misleads.
-void CoefficientEstimate::watch(double innovation, double duration) noexcept {
-  const double share = std::min(1.0, duration / kSlowTime);
-  slow_ += share * (innovation - slow_);
-  slow_variance_ += std::min(1.0, duration / kVarianceTime) * (2.0 / share * slow_ * slow_ - slow_variance_);
-}
-
-void CoefficientEstimate::update(DisturbanceObserver& observer, double signal, int periods) noexcept {
+void CoefficientEstimate::update(DisturbanceObserver& observer, std::optional<double> signal,
+                                 int periods) noexcept {
   constexpr std::array<double, DisturbanceObserver::kMaxStates> kNothing{};
-  derivative_.update(kNothing.data(), &signal, periods);
+  const double driven = signal.value_or(0.0);
+  derivative_.update(kNothing.data(), &driven, periods);
   const double duration = period_ * periods;
   const double innovation = observer.innovation(state_);
-  watch(innovation, duration);
-  variance_ = std::min(variance_ + greatest_variance_ * duration / kForgetTime, greatest_variance_);
   // What a change of c adds to the innovation.
   const double slope = derivative_.innovation(state_);
-  const double noise = std::max(derivative_.innovationVariance(state_), slow_variance_);
+  variance_ = std::min(variance_ + greatest_variance_ * duration / kForgetTime, greatest_variance_);
+  const double noise = derivative_.innovationVariance(state_);
   const double gain = variance_ * slope / (slope * slope * variance_ + noise);
   variance_ -= gain * slope * variance_;
   const double before = value_;
-  const double kept = std::exp(-duration / kForgetTime * variance_ / greatest_variance_);
+  const double unknown = variance_ / greatest_variance_;
+  const double kept = std::exp(-duration * (signal ? unknown * unknown / kForgetTime : 1.0 / kLostTime));
   value_ = within(kept * value_ - gain * innovation);
   observer.move(value_ - before, derivative_);
 }
@@ -58,15 +52,13 @@ double CoefficientEstimate::within(double value) const noexcept {
 void CoefficientEstimate::reset() noexcept {
   derivative_.reset();
   variance_ = greatest_variance_;
-  value_ = slow_ = slow_variance_ = 0.0;
+  value_ = 0.0;
 }
 
 void CoefficientEstimate::transferState(const CoefficientEstimate& other, double more) noexcept {
   derivative_.transferState(other.derivative_);
   variance_ = more == 0.0 ? std::min(other.variance_, greatest_variance_) : greatest_variance_;
   value_ = within(other.value_ + more);
-  slow_ = other.slow_;
-  slow_variance_ = other.slow_variance_;
 }
 
 }  // namespace polyfly

@@ -11,14 +11,6 @@
 
 namespace polyfly {
 
-/// angle' = (gain command - angle) / time about roll and pitch, as the law predicts them.
-struct TiltModel {
-  double roll_gain = 0.9;    ///< [1]
-  double roll_time = 0.25;   ///< [s]
-  double pitch_gain = 0.9;   ///< [1]
-  double pitch_time = 0.25;  ///< [s]
-};
-
 /// Roll and pitch that the reference itself needs, and their derivatives. What holds against a disturbance is no part of
 /// them: in a constant wind a gain could not be told from a trim.
 struct FollowedTilt {
@@ -26,11 +18,18 @@ struct FollowedTilt {
   TiltAngles rate;   ///< [rad/s]
 };
 
-/// What of the reference a command follows. 0 where nothing is followed.
+/// What of the reference a command follows. 0 where it rests.
 struct FollowedReference {
   FollowedTilt tilt;
+  /// The tilt in all, with what holds against the disturbance [rad].
+  TiltAngles whole_tilt;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
 };
+
+/// Whether the vehicle flies what it follows: the tilt within 0.1 rad of the whole one, and the velocity within 0.5 m/s.
+/// Else the reference tells nothing of what the loops and the drag do.
+bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity) noexcept;
 
 /// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about roll and
 /// pitch. A Kalman filter finds it from the measured attitude.
@@ -62,9 +61,9 @@ class AttitudeTrim {
   AttitudeTrim(const TiltModel& model, const MultirotorOptions& options);
 
   /// Roll and pitch were measured `periods` control periods after the last time; meanwhile `held` was the
-  /// command. Gain and lag are learnt from what was `followed` then; 0: nothing is.
+  /// command. Gain and lag are learnt from what was `followed` then; without it they are forgotten.
   void update(const TiltAngles& measured, const AttitudeCommand& held, int periods,
-              const FollowedTilt& followed = {}) noexcept;
+              const std::optional<FollowedTilt>& followed = FollowedTilt{}) noexcept;
 
   void reset() noexcept;
   /// Gain and lag are those of the model again.
@@ -74,6 +73,8 @@ class AttitudeTrim {
   /// The trim, to be added to a command [rad].
   TiltAngles angles() const noexcept;
   double coupling() const noexcept { return coupling_; }
+  /// The model with the gains and lags that were found.
+  TiltModel loops() const noexcept;
 
   /// The trim to be level with when nothing corrects it any more. What is found counts only after it has lain within
   /// its bound for kSettled. That is as long as it takes to find it.
@@ -103,7 +104,6 @@ class AttitudeTrim {
   static Loop makeLoop(double gain, double time, const MultirotorOptions& options);
   void updateLoop(Loop& loop, double measured, double command, double turned, int periods) const noexcept;
   FollowedTilt inLoops(const FollowedTilt& followed, double yaw_rate) const noexcept;
-  TiltModel found() const noexcept;
   void learnCoupling(const TiltAngles& measured, const AttitudeCommand& held) noexcept;
 
   TiltModel model_;

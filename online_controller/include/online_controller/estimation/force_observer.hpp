@@ -33,9 +33,9 @@ class ForceObserver {
 
   /// The sample came `periods` periods after the last one; `thrust` over mass [m/s^2] was held meanwhile. The
   /// first sample after reset, or one more than kMaxPeriods late, sets the state and keeps d. c is learnt from the
-  /// `followed` velocity, that of the reference; 0: nothing is [m/s].
+  /// `followed` velocity, that of the reference; without one it is forgotten [m/s].
   void update(const VehicleState& state, double thrust, int periods,
-              const Eigen::Vector3d& followed = Eigen::Vector3d::Zero()) noexcept;
+              const std::optional<Eigen::Vector3d>& followed = Eigen::Vector3d::Zero().eval()) noexcept;
 
   void reset() noexcept;
   /// Sets the estimate of d [m/s^2], its rate and c to 0.

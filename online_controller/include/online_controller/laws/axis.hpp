@@ -126,9 +126,10 @@ class Axis {
                     double disturbance_rate) const noexcept;
 
   /// Lets the observer take the sample, `periods` control periods after the last one, during which
-  /// `applied_input` was held. The drag is learnt from the `followed` velocity, that of the reference then; 0: nothing is
-  /// [m/s].
-  void observe(const AxisSample& sample, double applied_input, int periods, double followed = 0.0) noexcept;
+  /// `applied_input` was held. The drag is learnt from the `followed` velocity, that of the reference then; without
+  /// one it is forgotten [m/s].
+  void observe(const AxisSample& sample, double applied_input, int periods,
+               std::optional<double> followed = 0.0) noexcept;
 
   void reset() noexcept;
   /// Sets the observer's estimate [m/s^2] and forgets the drag that was found.
@@ -210,7 +211,7 @@ class Axis {
   }
   /// The same with the drag that was found, at the reference's velocity [m/s^2].
   double disturbanceAt(const AxisReference& reference) const noexcept {
-    return disturbance() - foundDrag() * reference.velocity;
+    return disturbance() - dragCoefficient() * reference.velocity;
   }
   /// What the reference needs, of the last evaluate().
   const AxisTarget& goal() const noexcept { return goal_; }
@@ -225,15 +226,17 @@ class Axis {
   /// The lag where it is of second order.
   AngleLoop loop() const noexcept { return has_rate_ ? AngleLoop{-lag_pole_, -lag_damping_} : AngleLoop{}; }
 
-  double drag() const noexcept { return -velocity_gain_; }  ///< [1/s]
+  double drag() const noexcept { return -velocity_gain_; }  ///< the model's [1/s]
+  /// Beyond the model's [1/s].
+  double foundDrag() const noexcept { return disturbance_gain_ * dragCoefficient(); }
   double inputLower() const noexcept { return input_lower_; }
   double inputUpper() const noexcept { return input_upper_; }
 
  private:
   using Parameters = std::array<double, kMaxParameters>;
 
-  // The drag that the model leaves out, over disturbance_gain_.
-  double foundDrag() const noexcept { return drag_ ? drag_->value() : 0.0; }
+  // foundDrag() over disturbance_gain_.
+  double dragCoefficient() const noexcept { return drag_ ? drag_->value() : 0.0; }
   AxisTarget goalOf(const AxisReference& reference) const noexcept;
   void bindSignals(const AxisNames& names);
   void prepareLookAhead(const AxisNames& names);

@@ -18,6 +18,14 @@ struct TiltAngles {
   double pitch = 0.0;
 };
 
+/// angle' = (gain command - angle) / time about roll and pitch, as the law predicts them.
+struct TiltModel {
+  double roll_gain = 0.9;    ///< [1]
+  double roll_time = 0.25;   ///< [s]
+  double pitch_gain = 0.9;   ///< [1]
+  double pitch_time = 0.25;  ///< [s]
+};
+
 /// `attitude` rotates body to world and has unit length.
 EulerAngles eulerAngles(const Eigen::Quaterniond& attitude) noexcept;
 

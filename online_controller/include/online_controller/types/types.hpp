@@ -147,6 +147,10 @@ struct ControlReport {
   TiltAngles level_trim;
   /// Coupling of yaw rate and tilt in the attitude loops, see AttitudeTrim [1].
   double coupling = 0.0;
+  /// The attitude loops: the law's model, and what controller/adapt_model found.
+  TiltModel loops;
+  /// Drag beyond the model's along x and y, found by controller/adapt_model [1/s].
+  std::array<double, 2> found_drag{};
 };
 
 /// Whether an explicit law's map did not hold a parameter, and the answer comes from another place. It was solved

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/observer.hpp"
 
@@ -12,16 +14,15 @@ namespace polyfly {
 /// by -r and with measurements 0. With the innovation's derivative, c follows by recursive least squares. Each change
 /// of c moves the observer's estimates along their derivatives (Friedland's separation of a bias). c begins at 0 with
 /// a given standard deviation and stays within three of them. Where nothing confirms it, its variance
-/// grows back in kForgetTime, and c decays to 0 in that time over the variance's share of the greatest.
-///
-/// Gusts last longer than a period, so that their innovations are not white. What counts as noise is the innovation's
-/// slow variance where that exceeds the observer's. So gusts teach little, and no error of tracking stops the learning.
+/// grows back in kForgetTime, and c decays to 0 in that time over the square of the variance's share of the greatest.
+/// Where c is confirmed, the decay moves it by at most the cube of that share.
 ///
 /// The signal should be a reference: one that is measured has noise in common with the innovation, which would count for
 /// c. Where the reference rests nothing is learnt, whatever pushes the vehicle.
 class CoefficientEstimate {
  public:
   static constexpr double kForgetTime = 100.0;  ///< [s]
+  static constexpr double kLostTime = 5.0;      ///< [s]
 
   /// For an observer of this problem and options. `state` is the one whose innovation counts, `deviation` the standard
   /// deviation of c, above 0. Throws Error as the observer does.
@@ -30,7 +31,8 @@ class CoefficientEstimate {
   double value() const noexcept { return value_; }  ///< c
 
   /// After the update of `observer` over as many periods, in which `signal` was r. The observer has to know -c r too.
-  void update(DisturbanceObserver& observer, double signal, int periods) noexcept;
+  /// Without a signal, because the vehicle does not follow it, c decays to 0 in kLostTime.
+  void update(DisturbanceObserver& observer, std::optional<double> signal, int periods) noexcept;
 
   void reset() noexcept;
   /// Begins with the coefficient of `other` and what its model has `more`. Another model makes it as uncertain as at the
@@ -39,20 +41,13 @@ class CoefficientEstimate {
 
  private:
   DisturbanceObserver derivative_;
-  // Times of the innovation's low pass, and of the mean of its square [s].
-  static constexpr double kSlowTime = 1.0;
-  static constexpr double kVarianceTime = 5.0;
   double within(double value) const noexcept;
-  void watch(double innovation, double duration) noexcept;
 
   int state_;
   double period_;  // [s]
   double greatest_variance_;
   double variance_;
   double value_ = 0.0;
-  // The innovation behind the low pass, and the variance of white noise that would leave as much there.
-  double slow_ = 0.0;
-  double slow_variance_ = 0.0;
 };
 
 }  // namespace polyfly

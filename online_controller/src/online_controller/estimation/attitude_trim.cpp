@@ -46,6 +46,15 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   return loop;
 }
 
+bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity) noexcept {
+  constexpr double kTilt = 0.1;      // [rad]
+  constexpr double kVelocity = 0.5;  // [m/s]
+  const TiltAngles& whole = followed.whole_tilt;
+  return std::hypot(tilt.roll - whole.roll, tilt.pitch - whole.pitch) < kTilt &&
+         (velocity - followed.velocity).norm() < kVelocity;
+}
+
 AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& options)
     : model_(model),
       given_{options.roll_trim, options.pitch_trim},
@@ -83,11 +92,11 @@ void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, doubl
 }
 
 void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& held, int periods,
-                          const FollowedTilt& followed) noexcept {
+                          const std::optional<FollowedTilt>& followed) noexcept {
   if (coupling_drift_ > 0.0 && measured_ && periods == 1) learnCoupling(measured, held);
   if (loops_) {
     const TiltAngles turned = turn(last_, held.yaw_rate);
-    const FollowedTilt wanted = inLoops(followed, held.yaw_rate);
+    const FollowedTilt wanted = inLoops(followed.value_or(FollowedTilt{}), held.yaw_rate);
     const std::array<double, 2> measured_angles{measured.roll, measured.pitch};
     const std::array<double, 2> commands{held.roll - given_.roll, held.pitch - given_.pitch};
     const std::array<double, 2> turns{coupling_ * turned.roll, coupling_ * turned.pitch};
@@ -98,8 +107,9 @@ void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& hel
       Loop& loop = (*loops_)[i];
       updateLoop(loop, measured_angles[i], commands[i], turns[i], periods);
       if (loop.by_angle) {
-        loop.by_angle->update(loop.observer, -angles[i], periods);
-        loop.by_rate->update(loop.observer, -rates[i], periods);
+        const auto signal = [&](double value) { return followed ? std::optional(-value) : std::nullopt; };
+        loop.by_angle->update(loop.observer, signal(angles[i]), periods);
+        loop.by_rate->update(loop.observer, signal(rates[i]), periods);
       }
       within = within && std::abs(loop.observer.disturbance()) < kMost;
       loop.observer.setDisturbance(std::clamp(loop.observer.disturbance(), -kMost, kMost));
@@ -131,8 +141,7 @@ TiltAngles AttitudeTrim::turn(const TiltAngles& tilt, double yaw_rate) const noe
           -model_.pitch_time / model_.pitch_gain * yaw_rate * tilt.roll};
 }
 
-// The model with the gains and lags that were found.
-TiltModel AttitudeTrim::found() const noexcept {
+TiltModel AttitudeTrim::loops() const noexcept {
   if (!loops_) return model_;
   const Loop &roll = (*loops_)[0], &pitch = (*loops_)[1];
   return {1.0 / roll.stiffness(), roll.damping() / roll.stiffness(), 1.0 / pitch.stiffness(),
@@ -142,7 +151,7 @@ TiltModel AttitudeTrim::found() const noexcept {
 // What the model without a coupling leaves of the change in a period is slope c, and noise.
 void AttitudeTrim::learnCoupling(const TiltAngles& measured, const AttitudeCommand& held) noexcept {
   const TiltAngles trim = angles();
-  const TiltModel model = found();
+  const TiltModel model = loops();
   const double roll_share = -std::expm1(-period_ / model.roll_time);
   const double pitch_share = -std::expm1(-period_ / model.pitch_time);
   const std::array<double, 2> slopes{roll_share * model.roll_time * held.yaw_rate * last_.pitch,

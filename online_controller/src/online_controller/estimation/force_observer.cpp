@@ -50,7 +50,7 @@ Eigen::Vector3d ForceObserver::acceleration(const Eigen::Matrix3d& R, const Eige
 }
 
 void ForceObserver::update(const VehicleState& state, double thrust, int periods,
-                           const Eigen::Vector3d& followed) noexcept {
+                           const std::optional<Eigen::Vector3d>& followed) noexcept {
   const Eigen::Matrix3d attitude = state.attitude.normalized().toRotationMatrix();
   // The mean of the values at both ends of the period.
   const Eigen::Vector3d now = acceleration(attitude, state.velocity, thrust);
@@ -65,7 +65,7 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
     }
     CoefficientEstimate& drag = (*drag_)[i];
     axes_[i].update(measured.data(), mean.data() + axis, periods, -drag.value() * axes_[i].state()[1]);
-    drag.update(axes_[i], followed(axis), periods);
+    drag.update(axes_[i], followed ? std::optional((*followed)(axis)) : std::nullopt, periods);
   }
   last_attitude_ = attitude;
   last_velocity_ = state.velocity;

@@ -44,11 +44,11 @@ void Axis::transferState(const Axis& other) noexcept {
   // The vehicle's drag stays, whatever of it the models have.
   if (drag_ && other.drag_) {
     const double more =
-        (other.disturbance_gain_ - disturbance_gain_) * other.foundDrag() + (other.drag() - drag());
+        (other.disturbance_gain_ - disturbance_gain_) * other.dragCoefficient() + (other.drag() - drag());
     drag_->transferState(*other.drag_, more / disturbance_gain_);
   } else if (other.drag_) {
     const double velocity = other.observer_.state()[velocity_state_];
-    observer_.setDisturbance(observer_.disturbance() - other.foundDrag() * velocity);
+    observer_.setDisturbance(observer_.disturbance() - other.dragCoefficient() * velocity);
   }
   if (constant_share_ > 0.0) constant_part_ = other.constant_part_;
 }
@@ -73,14 +73,15 @@ AxisTarget Axis::target(const AxisReference& reference, double disturbance,
   return {drive, (drive_rate - lag_pole_ * drive) / lag_gain_, drive_rate};
 }
 
-void Axis::observe(const AxisSample& sample, double applied_input, int periods, double followed) noexcept {
+void Axis::observe(const AxisSample& sample, double applied_input, int periods,
+                   std::optional<double> followed) noexcept {
   std::array<double, DisturbanceObserver::kMaxStates> measured{};
   measured[static_cast<std::size_t>(position_state_)] = sample.position;
   measured[static_cast<std::size_t>(velocity_state_)] = sample.velocity;
   if (has_lag_) measured[static_cast<std::size_t>(angle_state_)] = sample.angle;
   if (has_rate_) measured[static_cast<std::size_t>(rate_state_)] = sample.rate;
   const double velocity = observer_.state()[velocity_state_];
-  observer_.update(measured.data(), &applied_input, periods, -foundDrag() * velocity);
+  observer_.update(measured.data(), &applied_input, periods, -dragCoefficient() * velocity);
   if (drag_) drag_->update(observer_, followed, periods);
   if (constant_share_ == 0.0 || periods > DisturbanceObserver::kMaxPeriods) return;
   constant_part_ +=
@@ -111,12 +112,12 @@ int Axis::firstOutside(const Parameters& theta) const noexcept {
 AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
   if (!has_input_reference_) return {};
   return target(reference, disturbanceAt(reference) + reference.disturbance / disturbance_gain_,
-                (offset_free_ ? observer_.rate() : 0.0) - foundDrag() * reference.acceleration);
+                (offset_free_ ? observer_.rate() : 0.0) - dragCoefficient() * reference.acceleration);
 }
 
 AxisTarget Axis::undisturbedGoal(const AxisReference& reference) const noexcept {
   if (!has_input_reference_) return {};
-  return target(reference, -foundDrag() * reference.velocity, -foundDrag() * reference.acceleration);
+  return target(reference, -dragCoefficient() * reference.velocity, -dragCoefficient() * reference.acceleration);
 }
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,

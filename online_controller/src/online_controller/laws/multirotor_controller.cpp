@@ -217,15 +217,19 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
+  const bool flown = isFollowed(followed_, measured.tilt, state.velocity);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    axes_[i].observe(measured.axes[i], applied_[i], periods,
-                     followed_.velocity(static_cast<Eigen::Index>(i)));
+    const double velocity = followed_.velocity(static_cast<Eigen::Index>(i));
+    axes_[i].observe(measured.axes[i], applied_[i], periods, flown ? std::optional(velocity) : std::nullopt);
   }
-  trim_.update(measured.tilt, report_.command, periods, followed_.tilt);
+  trim_.update(measured.tilt, report_.command, periods,
+               flown ? std::optional(followed_.tilt) : std::nullopt);
   followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
+  report_.loops = trim_.loops();
+  report_.found_drag = {axes_[0].foundDrag(), axes_[1].foundDrag()};
 }
 
 void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
@@ -259,6 +263,7 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
 void MultirotorController::follow(const Reference& reference, double thrust, double yaw) noexcept {
   const double share = options_.gravity / thrust;
   const double turn = report_.command.yaw_rate;
+  followed_.whole_tilt = worldToBodyTilt({share * axes_[1].goal().angle, share * axes_[0].goal().angle}, yaw);
   const Eigen::Vector3d nothing = Eigen::Vector3d::Zero();
   const AxisTarget forward = axes_[0].undisturbedGoal(along(reference, nothing, 0));
   const AxisTarget across = axes_[1].undisturbedGoal(along(reference, nothing, 1));

@@ -144,12 +144,18 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  observer_.update(state, report_.command.thrust / options_.mass, periods, followed_.velocity);
-  trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_.tilt);
+  const bool flown = isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity);
+  observer_.update(state, report_.command.thrust / options_.mass, periods,
+                   flown ? std::optional(followed_.velocity) : std::nullopt);
+  trim_.update({angles.roll, angles.pitch}, report_.command, periods,
+               flown ? std::optional(followed_.tilt) : std::nullopt);
   followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
+  report_.loops = trim_.loops();
+  const Eigen::Vector3d drag = observer_.drag();
+  report_.found_drag = {drag.x(), drag.y()};
   return periods;
 }
 
@@ -223,7 +229,7 @@ void NonlinearController::makeReferences(const Reference* preview) noexcept {
   const StageReference next = onPath(soon, yaw_ + period * stages_.front().yaw_rate,
                                      disturbanceAt(soon) + period * disturbance_rate_);
   lead(now, next, period_decay_);
-  path_ = {undisturbedTilt(*preview, soon), preview->velocity};
+  path_ = {undisturbedTilt(*preview, soon), {now.roll, now.pitch}, preview->velocity};
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,
