@@ -232,7 +232,8 @@ polyfly::ValidationReport judge(const std::string& bag, std::size_t number, cons
   const polyfly::MultirotorOptions options = given ? *given : optionsOf(log);
   const std::vector<polyfly::ReplaySample> samples =
       polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options));
-  polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
+  polyfly::ValidationReport report =
+      polyfly::validate(log, samples, maps.flown, options, robustOracle, arguments.thresholds);
   for (const polyfly::OtherMap& other : maps.others) {
     report.comparisons.push_back(
         polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));

@@ -103,6 +103,7 @@ void add(const ValidationReport& other, ValidationReport* all) {
   for (std::size_t axis = 0; axis < all->axes.size(); ++axis) add(other.axes[axis], &all->axes[axis]);
   add(other.commands, &all->commands);
   add(other.statuses, &all->statuses);
+  append(&all->incomparable, other.incomparable);
   for (std::size_t index = 0; index < all->comparisons.size(); ++index) {
     add(other.comparisons.at(index), &all->comparisons[index]);
   }

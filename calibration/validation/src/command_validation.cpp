@@ -52,10 +52,8 @@ CommandValidation validateCommands(const FlightLog& log, const std::vector<Repla
   // The last command with a stamp counts.
   std::map<double, const AttitudeCommand*> recorded;
   for (const FlightLog::Command& command : log.commands) recorded[command.stamp] = &command.command;
-  std::set<double> sampled;
   std::array<DifferenceCollector, 4> differences;
   for (const ReplaySample& sample : samples) {
-    sampled.insert(sample.state.stamp);
     const auto match = recorded.find(sample.state.stamp);
     if (match == recorded.end()) continue;
     ++result.compared;
@@ -66,9 +64,13 @@ CommandValidation validateCommands(const FlightLog& log, const std::vector<Repla
     differences[2].add(was.yaw_rate - is.yaw_rate, sample.state.stamp);
     differences[3].add(was.thrust - is.thrust, sample.state.stamp);
   }
-  result.unanswered = log.odometry.size() - result.compared;
+  std::set<double> stamps;
+  for (const VehicleState& state : log.odometry) {
+    stamps.insert(state.stamp);
+    if (recorded.count(state.stamp) == 0) ++result.unanswered;
+  }
   for (const FlightLog::Command& command : log.commands) {
-    if (sampled.count(command.stamp) == 0) ++result.unmatched;
+    if (stamps.count(command.stamp) == 0) ++result.unmatched;
   }
   for (std::size_t entry = 0; entry < differences.size(); ++entry) {
     result.difference[entry] = differences[entry].result();

@@ -38,6 +38,21 @@ void warnOfUnmatched(const CommandValidation& commands, std::vector<std::string>
       "stamps of both are of different clocks.");
 }
 
+void warnOfStretches(const FlightLog& log, const ValidationReport& report,
+                     std::vector<std::string>* warnings) {
+  for (const IncomparableStretch& stretch : report.incomparable) {
+    const double start = log.odometry.front().stamp;
+    std::array<char, 320> text{};
+    std::snprintf(
+        text.data(), text.size(),
+        "At %.6g s the controller's status tells of another position or velocity than the recorded odometry: "
+        "the "
+        "recording is altered. %zu commands are not compared, until both agree again at %.6g s.",
+        stretch.from - start, stretch.samples, stretch.to - start);
+    warnings->push_back(text.data());
+  }
+}
+
 // Odometry that came before the first command does not count: recorders are started before controllers.
 void warnOfSilence(const FlightLog& log, std::vector<std::string>* warnings) {
   std::vector<double> commands;
@@ -66,11 +81,12 @@ void warnOfSilence(const FlightLog& log, std::vector<std::string>* warnings) {
 
 }  // namespace
 
-std::vector<std::string> recordWarnings(const FlightLog& log, const CommandValidation& commands) {
+std::vector<std::string> recordWarnings(const FlightLog& log, const ValidationReport& report) {
   std::vector<std::string> warnings;
   warnOfLoss(log, &warnings);
   warnOfStamps(log, &warnings);
-  warnOfUnmatched(commands, &warnings);
+  warnOfUnmatched(report.commands, &warnings);
+  warnOfStretches(log, report, &warnings);
   warnOfSilence(log, &warnings);
   return warnings;
 }

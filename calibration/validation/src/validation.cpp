@@ -108,36 +108,45 @@ std::size_t ValidationReport::violationCount() const {
          commands.not_finite;
 }
 
+bool ValidationReport::isWhole() const { return (!share || share->isWhole()) && incomparable.empty(); }
+
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker) {
+                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker,
+                          const Thresholds& thresholds) {
   ValidationReport report;
   report.source = log.source;
   report.share = log.share;
   report.samples = samples.size();
   report.duration = durationOf(stampsOf(samples));
-  validateTracking(samples, &report);
+  const ComparableSamples comparable =
+      comparableSamples(log, samples, maps, options.mass, thresholds.max_command_difference);
+  report.incomparable = comparable.stretches;
+  const bool are_all = comparable.stretches.empty();
+  const std::vector<ReplaySample>& known = are_all ? samples : comparable.known;
+  const std::vector<ReplaySample>& compared = are_all ? samples : comparable.compared;
+  validateTracking(known, &report);
   if (samples.size() > 1) {
     report.outside_map_time = report.duration * static_cast<double>(report.outside_map_samples) /
                               static_cast<double>(samples.size() - 1);
   }
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
-    report.axes[axis] = validateAxis(log, samples, *maps[axis], axis, maker);
+    report.axes[axis] = validateAxis(log, known, *maps[axis], axis, maker);
     const std::vector<double>& times = report.axes[axis].lookups.in_order;
     lookups.insert(lookups.end(), times.begin(), times.end());
   }
   report.lookup_ns = percentiles(lookups);
-  report.commands = validateCommands(log, samples, options);
-  report.statuses = validateStatuses(log, samples);
-  report.warnings = recordWarnings(log, report.commands);
-  const std::vector<std::string> of_flight = flightWarnings(log, samples, maps, options);
+  report.commands = validateCommands(log, compared, options);
+  report.statuses = validateStatuses(log, compared);
+  report.warnings = recordWarnings(log, report);
+  const std::vector<std::string> of_flight = flightWarnings(log, compared, maps, options);
   report.warnings.insert(report.warnings.end(), of_flight.begin(), of_flight.end());
   report.parameters = parametersTold(log);
   if (report.parameters) {
     const std::vector<std::string> of_parameters = parameterWarnings(*report.parameters, maps, options);
     report.warnings.insert(report.warnings.end(), of_parameters.begin(), of_parameters.end());
   }
-  report.hold = holdOffset(log, samples);
+  report.hold = holdOffset(log, known);
   return report;
 }
 

@@ -164,11 +164,11 @@ Json json(const RecordingShare::Amount& amount) {
   return out;
 }
 
-Json json(const RecordingShare& share) {
+Json json(const RecordingShare& share, bool is_whole) {
   return {{"messages", json(share.messages)},
           {"bytes", json(share.bytes)},
           {"seconds", json(share.seconds)},
-          {"whole", share.isWhole()}};
+          {"whole", is_whole}};
 }
 
 Json json(const ParametersTold& parameters) {
@@ -214,7 +214,7 @@ Json json(const ValidationReport& report) {
   out["commands"] = json(report.commands);
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
-  out["recording"] = report.share ? json(*report.share) : Json();
+  out["recording"] = report.share ? json(*report.share, report.isWhole()) : Json();
   out["parameters"] = report.parameters ? json(*report.parameters) : Json();
   out["broken"] = report.broken;
   out["warnings"] = report.warnings;

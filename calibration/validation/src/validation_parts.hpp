@@ -10,6 +10,21 @@ namespace polyfly {
 
 // The parts of a validation.
 
+/// The samples of a replay, by what the record tells of them. Without a stretch all are compared, and both lists are
+/// empty.
+struct ComparableSamples {
+  /// Their commands are compared.
+  std::vector<ReplaySample> compared;
+  /// Those, and others that the controller answered with the recorded position and velocity.
+  std::vector<ReplaySample> known;
+  std::vector<IncomparableStretch> stretches;
+};
+
+/// A stretch begins where the node's status tells of other odometry than was recorded, and ends where the commands agree again.
+/// `mass` [kg] scales thrust; commands agree up to `tolerance` [rad, rad/s, m/s^2].
+ComparableSamples comparableSamples(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                                    const AxisMaps& maps, double mass, double tolerance);
+
 /// One axis' map against the samples: its use, excursions, agreement with the online solver, look-up times.
 AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
                             const RegionMap& map, std::size_t index, const OracleMaker& maker);
@@ -19,7 +34,7 @@ CommandValidation validateCommands(const FlightLog& log, const std::vector<Repla
                                    const MultirotorOptions& options);
 
 /// What the record lacks, in sentences: parts of it, stamps, commands of the flight, odometry of commands.
-std::vector<std::string> recordWarnings(const FlightLog& log, const CommandValidation& commands);
+std::vector<std::string> recordWarnings(const FlightLog& log, const ValidationReport& report);
 
 /// What does not fit together, in sentences: frames, signs, clocks, limits, and the vehicle's roll and pitch
 /// loops (identified from the flight) against the models of the maps. No sentence where the data do not tell.

@@ -143,6 +143,30 @@ TEST_F(Validation, seesACommandThatWasAltered) {
   EXPECT_EQ(brokenThresholds(report, {}).size(), 1u);
 }
 
+// The controller's status tells that it answered another odometry than the record holds.
+TEST_F(Validation, doesNotJudgeByOdometryThatWasAltered) {
+  for (const bool finite : {true, false}) {
+    FlightLog log = syntheticFlight(maps_.axes());
+    log.odometry[123].position.x() += finite ? 0.3 : kNaN;
+    const ValidationReport report = validated(log);
+    ASSERT_EQ(report.incomparable.size(), 1u);
+    EXPECT_EQ(report.incomparable[0].from, log.odometry[123].stamp);
+    EXPECT_EQ(report.commands.compared + report.incomparable[0].samples, SyntheticFlight::kSamples);
+    EXPECT_EQ(report.tracked_samples, SyntheticFlight::kSamples - 1);
+    EXPECT_LT(report.tracking.max, 0.2);
+    EXPECT_TRUE(brokenThresholds(report, {}).empty());
+    EXPECT_EQ(report.verdict(), Verdict::kDoubtful);
+    EXPECT_FALSE(report.isWhole());
+    // The command itself is judged all the same.
+    log.commands[123].command.roll = 2.0;
+    EXPECT_EQ(brokenThresholds(validated(log), {}).size(), 1u);
+    log = syntheticFlight(maps_.axes());
+    log.odometry[123].position.x() += finite ? 0.3 : kNaN;
+    log.statuses.clear();
+    EXPECT_FALSE(brokenThresholds(validated(log), {}).empty());
+  }
+}
+
 TEST_F(Validation, countsCommandsOutOfBounds) {
   FlightLog log = syntheticFlight(maps_.axes());
   log.commands[1].command.roll = options_.angle_max + 1e-6;

@@ -85,6 +85,13 @@ struct CommandValidation {
   std::size_t not_finite = 0;
 };
 
+/// A stretch in which the replay does not know what the controller knew: its commands are not compared.
+struct IncomparableStretch {
+  double from = 0.0;  ///< stamp of the first sample [s]
+  double to = 0.0;    ///< stamp of the last sample [s]
+  std::size_t samples = 0;
+};
+
 struct StatusValidation {
   /// Replayed samples by ControlStatus.
   std::array<std::size_t, kControlStatusCount> replayed{};
@@ -139,6 +146,7 @@ struct ValidationReport {
   Percentiles lookup_ns;
   CommandValidation commands;
   StatusValidation statuses;
+  std::vector<IncomparableStretch> incomparable;
   /// Offset at the final rest. None if the reference does not rest at the end.
   std::optional<HoldOffset> hold;
 
@@ -156,23 +164,15 @@ struct ValidationReport {
   std::vector<MapProposal> proposals;
 
   Verdict verdict() const;
+  /// Whether nothing of the recording is known to be lost or altered.
+  bool isWhole() const;
   std::size_t regionCount() const;
   std::size_t visitedCount() const;
   double maxQpDifference() const;
   std::size_t violationCount() const;
 };
 
-/// Judges a replay; `maker` where maps are of a minimum-peak robust MPC. Throws Error naming the map when its
-/// problem cannot be read, or when it needs a maker and there is none.
-ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options,
-                          const OracleMaker& maker = {});
-
-/// Several flights with the same maps as one report: counts and windows together, greatest differences, root
-/// mean squares over all samples, no offset at rest. `flights` must not be empty. Of one flight, itself.
-ValidationReport together(const std::vector<ValidationReport>& flights);
-
-/// Limits on a report; what is broken comes back as sentences, nothing when all is well.
+/// Limits on a report.
 struct Thresholds {
   /// Least coverage, a share 0..1.
   double min_coverage = 0.99;
@@ -181,6 +181,18 @@ struct Thresholds {
   /// Greatest number of recorded commands beyond their bounds.
   std::size_t max_violations = 0;
 };
+
+/// Judges a replay; `maker` where maps are of a minimum-peak robust MPC. Throws Error naming the map when its
+/// problem cannot be read, or when it needs a maker and there is none.
+ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                          const AxisMaps& maps, const MultirotorOptions& options,
+                          const OracleMaker& maker = {}, const Thresholds& thresholds = {});
+
+/// Several flights with the same maps as one report: counts and windows together, greatest differences, root
+/// mean squares over all samples, no offset at rest. `flights` must not be empty. Of one flight, itself.
+ValidationReport together(const std::vector<ValidationReport>& flights);
+
+/// What is broken, as sentences.
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
 
 /// "passed", "doubtful" or "failed".
