@@ -213,18 +213,27 @@ WideMatrix wideSteadyState(const WideModel& model, const Eigen::MatrixXd& C, con
   matrix.bottomLeftCorner(nu, nx) = wide(C);
   WideMatrix right(nx + nu, 1);
   right << -(model.Bd * wide(d)), wide(r);
-  // Rows differ by the sampling time and by units: scale them, so that the rank test sees the structure.
-  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-    const double scale = wideNorm(matrix.row(row));
-    if (scale > 0.0) {
-      matrix.row(row) /= DoubleDouble(scale);
-      right(row) /= scale;
+  // Rows differ by the sampling time and by units, columns by units: scale both, so that the rank test sees the structure.
+  const auto scaleOf = [](const auto& numbers) {
+    const double norm = wideNorm(numbers);
+    return DoubleDouble(norm > 0.0 ? 1.0 / norm : 1.0);
+  };
+  WideMatrix units = WideMatrix::Ones(nx + nu, 1);
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+      const DoubleDouble row = scaleOf(matrix.row(i));
+      matrix.row(i) *= row;
+      right(i) *= row;
+      const DoubleDouble column = scaleOf(matrix.col(i));
+      matrix.col(i) *= column;
+      units(i) *= column;
     }
   }
   Eigen::FullPivLU<WideMatrix> lu(matrix);
   lu.setThreshold(kSingularTolerance);
   if (!lu.isInvertible()) throw Error("steady state: [A-I B; C 0] (Eq. 6) must be invertible");
-  return lu.solve(right);
+  return lu.solve(right).cwiseProduct(units);
 }
 
 }  // namespace polyfly

@@ -208,6 +208,22 @@ TEST(SteadyStateTarget, OfTheLateralAxisTiltsIntoTheWind) {
   EXPECT_NEAR(steady.u(0), 1.5 / 9.8066 / 0.9, 1e-12);
 }
 
+TEST(SteadyStateTarget, DoesNotDependOnUnits) {
+  const MpcProblem problem = loadProblem(problemFile("multirotor_lateral.yaml"));
+  const DiscreteModel model = discretise(problem, problem.sampling_time);
+  const VectorXd d = VectorXd::Constant(1, 1.5), r = VectorXd::Constant(1, 4.0);
+  const SteadyState steady = steadyState(model, problem.C, d, r);
+  const Eigen::Vector3d units(1e9, 1e-10, 1e4);
+  constexpr double kInputUnit = 1e-9;
+  DiscreteModel other = model;
+  other.A = units.asDiagonal() * model.A * units.cwiseInverse().asDiagonal();
+  other.B = units.asDiagonal() * model.B / kInputUnit;
+  other.Bd = units.asDiagonal() * model.Bd;
+  const SteadyState scaled = steadyState(other, problem.C * units.cwiseInverse().asDiagonal(), d, r);
+  EXPECT_LT(maxAbs(units.cwiseInverse().cwiseProduct(scaled.x) - steady.x), 1e-12);
+  EXPECT_NEAR(scaled.u(0) / kInputUnit, steady.u(0), 1e-12);
+}
+
 TEST(SteadyStateTarget, RefusesASingularSystemAndWrongSizes) {
   const MpcProblem problem = loadProblem(problemFile("multirotor_vertical.yaml"));
   const DiscreteModel model = discretise(problem, problem.sampling_time);
