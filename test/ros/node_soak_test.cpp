@@ -1,5 +1,5 @@
 // A soak through the node: odometry, references and requests over topics and services, commands as they are
-// sent. Private parameters: map_folders, problems (a folder), duration [s], seed, and json, a file for
+// sent. Private parameters: map_folders, problem_folder, duration [s], seed, and json, a file for
 // figures.
 #include "node_soak.hpp"
 
@@ -46,7 +46,7 @@ TEST(NodeSoak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   const ros::NodeHandle parameters("~");
   std::vector<std::string> folders;
   ASSERT_TRUE(parameters.getParam("map_folders", folders));
-  const SoakTuning tuning = tuningOf(parameters.param<std::string>("problems", ""));
+  const SoakTuning tuning = tuningOf(parameters.param<std::string>("problem_folder", ""));
   SoakOptions options;
   options.duration = parameters.param("duration", 100.0);
   options.seed = static_cast<std::uint32_t>(parameters.param("seed", 1));
