@@ -48,6 +48,10 @@ TEST(Certify, ProvesGeneratedPrograms) {
   }
 }
 
+TEST(Certify, ProvesUnstablePlantsOverLongHorizons) {
+  for (const int horizon : {6, 8, 12}) expectProven(unstableRotation(horizon));
+}
+
 TEST(Certify, ProvesProgramsWhoseRowsAreNearlyDependent) {
   for (const double distance : {1e-3, 1e-4, 1e-5}) {
     for (unsigned seed = 1; seed <= 5; ++seed) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <cmath>
 #include <limits>
@@ -12,10 +13,10 @@
 
 namespace polyfly {
 
-ParametricProgram doubleIntegrator(int horizon) {
-  Eigen::Matrix2d A;
-  A << 1.0, 1.0, 0.0, 1.0;
-  const Eigen::Vector2d B(0.5, 1.0);
+namespace {
+
+/// |u| <= 1 and |x| <= 5 over the horizon, weights 1 and 0.1.
+ParametricProgram controlled(const Eigen::Matrix2d& A, const Eigen::Vector2d& B, int horizon) {
   const int n = horizon;
   Eigen::MatrixXd powers = Eigen::MatrixXd::Zero(2 * n, 2);     // states from theta
   Eigen::MatrixXd responses = Eigen::MatrixXd::Zero(2 * n, n);  // states from inputs
@@ -26,7 +27,6 @@ ParametricProgram doubleIntegrator(int horizon) {
     powers.block<2, 2>(2 * k, 0) = power;
   }
   ParametricProgram program;
-  program.name = "double_integrator_" + std::to_string(horizon);
   program.text_kind = "json";
   program.H = responses.transpose() * responses + 0.1 * Eigen::MatrixXd::Identity(n, n);
   program.H = (0.5 * (program.H + program.H.transpose())).eval();
@@ -47,6 +47,39 @@ ParametricProgram doubleIntegrator(int horizon) {
   program.E = Eigen::MatrixXd::Identity(1, n);
   program.C = Eigen::MatrixXd::Zero(1, 2);
   program.c = Eigen::VectorXd::Zero(1);
+  return program;
+}
+
+}  // namespace
+
+ParametricProgram doubleIntegrator(int horizon) {
+  ParametricProgram program =
+      controlled((Eigen::Matrix2d() << 1.0, 1.0, 0.0, 1.0).finished(), {0.5, 1.0}, horizon);
+  program.name = "double_integrator_" + std::to_string(horizon);
+  return program;
+}
+
+ParametricProgram unstableRotation(int horizon) {
+  constexpr double kGrowth = 1.5, kAngle = 1.0471975511965976;
+  const Eigen::Matrix2d A = kGrowth * Eigen::Rotation2Dd(kAngle).toRotationMatrix();
+  ParametricProgram program = controlled(A, {0.0, 1.0}, horizon);
+  program.name = "unstable_rotation_" + std::to_string(horizon);
+  // Of the rows of states those of the last one stay, behind those of inputs.
+  const ParametricProgram all = program;
+  const int inputs = 2 * horizon;
+  program.A.conservativeResize(inputs + 4, horizon);
+  program.S.conservativeResize(inputs + 4, 2);
+  program.b.conservativeResize(inputs + 4);
+  for (const int side : {0, 1}) {
+    const int from = (4 + 2 * side) * horizon - 2;
+    program.A.middleRows<2>(inputs + 2 * side) = all.A.middleRows<2>(from);
+    program.S.middleRows<2>(inputs + 2 * side) = all.S.middleRows<2>(from);
+  }
+  program.b.tail<4>().setConstant(0.5);
+  for (Signal& parameter : program.parameters) {
+    parameter.lower = -1.5;
+    parameter.upper = 1.5;
+  }
   return program;
 }
 

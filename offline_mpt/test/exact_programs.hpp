@@ -8,6 +8,10 @@ namespace polyfly {
 /// box, and rows become dependent on them.
 ParametricProgram doubleIntegrator(int horizon);
 
+/// A plant that turns by 60 degrees and grows by half in a step; |u| <= 1, |x| <= 0.5 at the end of the horizon. Rows
+/// that bound its feasible set nearly depend on each other, and regions are as narrow as rounding.
+ParametricProgram unstableRotation(int horizon);
+
 /// Rows that depend on others but for `distance`.
 ParametricProgram nearlyDependent(double distance, unsigned seed);
 

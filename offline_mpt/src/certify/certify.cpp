@@ -178,7 +178,7 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
       std::copy_if(closed[r].defects.begin(), closed[r].defects.end(), std::back_inserter(gaps), is_gap);
     }
     if (widened) break;
-    std::vector<std::vector<int>> candidates = missingSets(context, gaps);
+    std::vector<std::vector<int>> candidates = missingSets(gaps);
     const auto is_known = [&](const std::vector<int>& set) { return !tried.insert(set).second; };
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
     std::vector<Missing> missing(candidates.size());

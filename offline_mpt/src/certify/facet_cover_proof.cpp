@@ -6,6 +6,7 @@
 #include "certify/facet_cover.hpp"
 #include "certify/slivers.hpp"
 #include "certify/tolerances.hpp"
+#include "exact_kkt/exact_active_set.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "offline_mpt/exact_lp.hpp"
 #include "region_maps/region_map.hpp"
@@ -78,17 +79,6 @@ const std::vector<ExactRow>& FacetCoverProof::rowsOf(std::uint32_t region,
   return storage.back();
 }
 
-// Whether row `last` may be a combination of the others: rounded, to spare an exact answer that is clear.
-bool FacetCoverProof::mayCancel(const std::vector<int>& rows, int last) const {
-  const Eigen::MatrixXd& A = context_.source.A;
-  Eigen::MatrixXd others(A.cols(), static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    others.col(static_cast<Eigen::Index>(k)) = A.row(rows[k]).normalized();
-  const Eigen::VectorXd target = A.row(last).normalized();
-  if (rows.empty()) return target.norm() < tolerance::kClearlyFree;
-  return (others * PivotedQr(others).solve(target) - target).norm() < tolerance::kClearlyFree;
-}
-
 // Beyond the facet no z exists: rows that are tight on it add up to 0 z <= something that is negative there.
 bool FacetCoverProof::proveEdge(const RegionCheck& check, const std::vector<ExactOrigin>& origins,
                                 std::string& text) const {
@@ -102,7 +92,6 @@ bool FacetCoverProof::proveEdge(const RegionCheck& check, const std::vector<Exac
     if (origin.kind == ExactOrigin::Kind::kSlack) rows.push_back(origin.index);
   }
   if (rows.size() == first) return false;
-  if (rows.size() == first + 1 && !mayCancel({rows.begin(), rows.end() - 1}, rows.back())) return false;
   ExactLp lp;
   lp.addColumns(static_cast<int>(rows.size()));
   lp.addRows(program.n + 1);
@@ -269,9 +258,11 @@ bool FacetCoverProof::liesBehind(const std::vector<int>& active, const std::vect
   return interior.exists;
 }
 
-// An active set that should be in the map: one row changes, or, where H is zero, one more in exchange.
+// An active set that should be in the map. It is that of a point nearer to the facet than any region is wide; where H is zero,
+// one row changes, and perhaps one more in exchange.
 void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins,
-                                  const std::vector<Rational>& uncovered, Defect& defect) const {
+                                  const ExactRow& plane, const std::vector<Rational>& uncovered,
+                                  Defect& defect) const {
   const ExactProgram& program = context_.program;
   std::vector<Rational> point;
   const auto take = [&](const std::vector<int>& candidate) {
@@ -280,10 +271,19 @@ void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<Ex
     defect.witness = toTheta(program, point);
     return true;
   };
+  if (!program.linear) {
+    constexpr unsigned long kNearBits = 400;
+    const Rational near(Integer(1), Integer(1) << kNearBits);
+    std::vector<Rational> t = uncovered;
+    for (std::size_t j = 0; j < t.size(); ++j) t[j] += near * Rational(plane.unit[j]);
+    const auto active = activeSetAt(program, t, check.active);
+    if (active) take(*active);
+    return;
+  }
   for (const ExactOrigin& origin : origins) {
     const std::vector<int> changed = changedSet(check.active, origin);
     if (take(changed)) return;
-    for (int row = 0; row < program.m && program.linear; ++row) {
+    for (int row = 0; row < program.m; ++row) {
       const auto at = static_cast<std::size_t>(row);
       const bool active = std::binary_search(changed.begin(), changed.end(), row);
       const auto kind = active ? ExactOrigin::Kind::kMultiplier : ExactOrigin::Kind::kSlack;
@@ -324,17 +324,16 @@ FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std:
   }
   FacetBehind behind{FacetCoverKind::kEdge, {}};
   std::vector<Rational> uncovered;
+  std::deque<std::vector<ExactRow>> storage;
   const std::size_t known = defects.size();
-  if (!proveEdge(check, origins, line)) {
-    std::deque<std::vector<ExactRow>> storage;
+  if (!proveEdge(check, origins, line))
     behind = closeByCover(region, row, rowsOf(region, storage), line, defects, uncovered);
-  }
   if (behind.kind != FacetCoverKind::kOpen) {
     text += line + "\n";
     return behind;
   }
   if (defects.size() == known) return behind;  // stopped
-  findMissing(check, origins, uncovered, defects.back());
+  findMissing(check, origins, rowsOf(region, storage)[row], uncovered, defects.back());
   return behind;
 }
 

@@ -38,7 +38,6 @@ class FacetCoverProof {
  private:
   const std::vector<ExactRow>& rowsOf(std::uint32_t region, std::deque<std::vector<ExactRow>>& storage) const;
   bool proveEdge(const RegionCheck& check, const std::vector<ExactOrigin>& origins, std::string& text) const;
-  bool mayCancel(const std::vector<int>& rows, int last) const;
   /// Whether the region, with an inner point, has that behind the plane.
   bool reachesBehind(std::uint32_t region, const ExactRow& plane) const;
   std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane,
@@ -50,7 +49,7 @@ class FacetCoverProof {
                            std::vector<Defect>& defects) const;
   FacetBehind addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
                      const std::vector<Rational>& uncovered, std::vector<Defect>& defects) const;
-  void findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins,
+  void findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins, const ExactRow& plane,
                    const std::vector<Rational>& uncovered, Defect& defect) const;
   bool liesBehind(const std::vector<int>& active, const std::vector<Rational>& uncovered,
                   std::vector<Rational>& point) const;

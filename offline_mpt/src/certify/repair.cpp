@@ -4,6 +4,7 @@
 
 #include "certify/region_check.hpp"
 #include "certify/slivers.hpp"
+#include "exact_kkt/exact_active_set.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "polyfly_base/error.hpp"
@@ -137,9 +138,13 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
     for (const Defect& defect : result.report.defects) {
       std::vector<std::vector<int>> candidates;
       if (!defect.missing.empty() || defect.kind == Defect::Kind::kGap) candidates.push_back(defect.missing);
-      std::vector<int> active;
-      if (defect.witness.size() > 0 && activeSetAt(program, exact, defect.witness, active))
-        candidates.push_back(active);
+      std::vector<Rational> t;
+      for (Eigen::Index j = 0; j < defect.witness.size(); ++j) {
+        const auto at = static_cast<std::size_t>(j);
+        t.emplace_back((Rational(defect.witness(j)) - exact.centre[at]) / exact.half[at]);
+      }
+      const auto active = t.empty() ? std::nullopt : activeSetAt(exact, t, {});
+      if (active) candidates.push_back(*active);
       for (const std::vector<int>& candidate : candidates) {
         CriticalRegion region;
         if (found.count(candidate) > 0 || !describe(exact, candidate, region)) continue;

@@ -9,8 +9,6 @@
 
 #include "certify/facet_cover.hpp"
 #include "certify/tolerances.hpp"
-#include "mpc_core/dense_qp.hpp"
-#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -121,34 +119,11 @@ std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
   return rows;
 }
 
-bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, const Eigen::VectorXd& theta,
-                 std::vector<int>& active) {
-  if (program.linear) return false;
-  try {
-    DenseQp qp(source.H, source.A, program.basis);
-    const Eigen::VectorXd g = source.f + source.F * theta;
-    const Eigen::VectorXd b = source.b + source.S * theta;
-    if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
-    active.clear();
-    for (int k = 0; k < qp.activeCount(); ++k) {
-      const int row = qp.activeRows()[k];
-      if (!program.in_basis[row] && qp.lambda()(row) > tolerance::kPositiveMultiplier) active.push_back(row);
-    }
-    std::sort(active.begin(), active.end());
-    return true;
-  } catch (const Error&) {  // H is only definite together with the equalities
-    return false;
-  }
-}
-
-std::vector<std::vector<int>> missingSets(const CheckContext& context, const std::vector<Defect>& defects) {
+std::vector<std::vector<int>> missingSets(const std::vector<Defect>& defects) {
   std::set<std::vector<int>> sets;
+  // None may be the right one, too.
   for (const Defect& defect : defects) {
-    if (defect.kind != Defect::Kind::kGap) continue;
-    sets.insert(defect.missing);  // none may be the right one, too
-    std::vector<int> active;
-    if (defect.witness.size() > 0 && activeSetAt(context.source, context.program, defect.witness, active))
-      sets.insert(active);
+    if (defect.kind == Defect::Kind::kGap) sets.insert(defect.missing);
   }
   return {sets.begin(), sets.end()};
 }

@@ -21,12 +21,8 @@ bool nearlyHolds(const CheckContext& context, const std::vector<RegionCheck>& ch
 /// Rows that bound the region: no other, and not the box, implies them.
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p);
 
-/// Active set at theta by a rounded solution, without equalities; false where there is none.
-bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, const Eigen::VectorXd& theta,
-                 std::vector<int>& active);
-
 /// Active sets that may be missing where the defects are, sorted.
-std::vector<std::vector<int>> missingSets(const CheckContext& context, const std::vector<Defect>& defects);
+std::vector<std::vector<int>> missingSets(const std::vector<Defect>& defects);
 
 /// The region of an active set that the map has not, and why it can be left out; false where it has no
 /// interior, or is no sliver. `checks` are those of the map's regions, and then any number of slivers.

@@ -35,12 +35,6 @@ constexpr double kMostRepeated = 2.0 * kRepeatedRow;
 /// Regions with planes that differ by less may share a facet.
 constexpr double kTouchingPlanes = 1e-6;
 
-/// Distance of a row from the span of others from which it is free of them.
-constexpr double kClearlyFree = 1e-6;
-
-/// Rows with greater multipliers are active at a witness.
-constexpr double kPositiveMultiplier = 1e-10;
-
 /// Least radius at which a rounded centre counts as an interior point [scaled].
 constexpr double kInteriorRadius = 1e-10;
 

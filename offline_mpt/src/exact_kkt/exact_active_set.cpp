@@ -1,0 +1,160 @@
+#include "exact_kkt/exact_active_set.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "exact_kkt/exact_region.hpp"
+
+namespace polyfly {
+namespace {
+
+class DualSteps {
+ public:
+  DualSteps(const ExactProgram& program, const std::vector<Rational>& t) : program_(program), t_(t) {
+    t_.emplace_back(1);
+  }
+
+  /// Begins with those of the rows that have no negative multiplier; false where they depend on each other.
+  bool begin(std::vector<int> active) {
+    active_ = std::move(active);
+    for (;;) {
+      ExactSolution solution;
+      if (solution.solve(program_, active_) != ExactStatus::kRegion) return false;
+      take(solution);
+      const std::vector<Rational> multipliers = std::exchange(multipliers_, {});
+      const std::vector<int> rows = std::exchange(active_, {});
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (multipliers[k] < 0) continue;
+        active_.push_back(rows[k]);
+        multipliers_.push_back(multipliers[k]);
+      }
+      if (active_.size() == rows.size()) return true;
+    }
+  }
+
+  /// The row that is violated most, in shares of its greatest entry; -1: none.
+  int mostViolated() const {
+    int result = -1;
+    Rational most;
+    for (int row = 0; row < program_.m; ++row) {
+      const auto at = static_cast<std::size_t>(row);
+      if (program_.is_equality[at] || program_.is_dropped[at] || program_.row_size[at] == 0 || isActive(row))
+        continue;
+      const Rational violation = -slack(row) / program_.row_size[at];
+      if (violation <= most) continue;
+      most = violation;
+      result = row;
+    }
+    return result;
+  }
+
+  /// Lets the row's multiplier grow until it holds, while rows leave whose multipliers vanish; false where it cannot hold.
+  bool satisfy(int row) {
+    Rational own;
+    for (;;) {
+      const std::vector<Rational> change = changeBy(row);
+      Rational slope;
+      for (int i = 0; i < program_.n; ++i)
+        slope += program_.A(row, i) * change[static_cast<std::size_t>(i)];
+      const bool can_hold = slope > 0;
+      Rational step = can_hold ? Rational(-slack(row) / slope) : Rational();
+      std::size_t leaving = active_.size();
+      const std::size_t first = static_cast<std::size_t>(program_.n) + program_.basis.size();
+      for (std::size_t k = 0; k < active_.size(); ++k) {
+        if (change[first + k] <= 0) continue;
+        const Rational vanishes = multipliers_[k] / change[first + k];
+        if (leaving == active_.size() ? can_hold && vanishes >= step : vanishes >= step) continue;
+        step = vanishes;
+        leaving = k;
+      }
+      if (!can_hold && leaving == active_.size()) return false;
+      for (std::size_t i = 0; i < z_.size(); ++i) z_[i] -= step * change[i];
+      for (std::size_t k = 0; k < active_.size(); ++k) multipliers_[k] -= step * change[first + k];
+      own += step;
+      if (leaving == active_.size()) {
+        active_.push_back(row);
+        multipliers_.push_back(own);
+        return true;
+      }
+      active_.erase(active_.begin() + static_cast<std::ptrdiff_t>(leaving));
+      multipliers_.erase(multipliers_.begin() + static_cast<std::ptrdiff_t>(leaving));
+    }
+  }
+
+  const std::vector<int>& active() const { return active_; }
+
+ private:
+  bool isActive(int row) const { return std::find(active_.begin(), active_.end(), row) != active_.end(); }
+
+  void take(const ExactSolution& solution) {
+    const auto value = [&](const auto& entry) {
+      Rational sum;
+      for (int j = 0; j <= program_.p; ++j) sum += entry(j) * t_[static_cast<std::size_t>(j)];
+      return Rational(sum / solution.denominator());
+    };
+    z_.clear();
+    multipliers_.clear();
+    for (int i = 0; i < program_.n; ++i) z_.push_back(value([&](int j) { return solution.z(i, j); }));
+    for (std::size_t k = program_.basis.size(); k < solution.rows().size(); ++k)
+      multipliers_.push_back(value([&](int j) { return solution.multiplier(static_cast<int>(k), j); }));
+  }
+
+  Rational slack(int row) const {
+    Rational sum;
+    for (int j = 0; j <= program_.p; ++j) sum += program_.bound(row, j) * t_[static_cast<std::size_t>(j)];
+    for (int i = 0; i < program_.n; ++i) sum -= program_.A(row, i) * z_[static_cast<std::size_t>(i)];
+    return sum;
+  }
+
+  /// Minus the derivatives of z, and of the multipliers of basis and active rows, by the row's multiplier. The active rows are
+  /// independent.
+  std::vector<Rational> changeBy(int row) const {
+    std::vector<int> rows = program_.basis;
+    rows.insert(rows.end(), active_.begin(), active_.end());
+    const int n = program_.n, size = n + static_cast<int>(rows.size());
+    IntegerMatrix system(size, size + 1);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) system(i, j) = program_.H(i, j);
+      for (int r = n; r < size; ++r)
+        system(i, r) = system(r, i) = program_.A(rows[static_cast<std::size_t>(r - n)], i);
+      system(i, size) = program_.A(row, i);
+    }
+    Integer determinant;
+    std::vector<Rational> change;
+    if (!solveExactly(system, determinant)) return change;
+    for (int i = 0; i < size; ++i) {
+      change.emplace_back(system(i, size), determinant);
+      change.back().canonicalize();
+    }
+    return change;
+  }
+
+  const ExactProgram& program_;
+  std::vector<Rational> t_;
+  std::vector<int> active_;
+  // Of active_; the equalities' are not needed.
+  std::vector<Rational> multipliers_;
+  std::vector<Rational> z_;
+};
+
+}  // namespace
+
+std::optional<std::vector<int>> activeSetAt(const ExactProgram& program, const std::vector<Rational>& t,
+                                            const std::vector<int>& start) {
+  if (program.linear) return std::nullopt;
+  DualSteps steps(program, t);
+  if (!steps.begin(start) && !steps.begin({})) return std::nullopt;
+  // Each step raises the dual cost; where several rows are tight at t it may stay, and rows could come and go for ever.
+  for (int left = 20 * (program.n + program.m); left > 0; --left) {
+    const int row = steps.mostViolated();
+    if (row < 0) {
+      std::vector<int> active = steps.active();
+      std::sort(active.begin(), active.end());
+      return active;
+    }
+    if (!steps.satisfy(row)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace polyfly
