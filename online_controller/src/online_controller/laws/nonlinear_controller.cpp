@@ -135,6 +135,7 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
     return withoutAnswer(ControlReason::kOutsidePartition);
   }
   send(angles, *preview);
+  watchSwings(*preview, yaw_, options_.angle_max);
   return report_;
 }
 
