@@ -9,7 +9,7 @@
 #include <string>
 
 #include "compared_laws.hpp"
-#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/types/remark.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/gaussian_source.hpp"
@@ -24,9 +24,10 @@ constexpr double kBound = 0.4363323;  // of the commands [rad]
 /// A vehicle, what its law is told of it, and the air.
 struct Setting {
   RigidBodyOptions body;
-  double told_delay = 0.0;  ///< [s]
-  double told_lag = 0.0;    ///< [s]; 0: the shipped one
-  double gust = 0.0;        ///< of first order, 1 s, in each axis [m/s^2]
+  double told_delay = 0.0;      ///< by the options [s]
+  double told_lag = 0.0;        ///< [s]; 0: the shipped one
+  double gust = 0.0;            ///< of first order, 1 s, in each axis [m/s^2]
+  double problems_delay = 0.0;  ///< told by the problems [s]
 };
 
 struct Flown {
@@ -41,14 +42,11 @@ Flown fly(const std::string& name, const Setting& setting, const Path& path) {
   options.delay = setting.told_delay;
   NonlinearMpcOptions nonlinear;
   if (setting.told_lag > 0.0) nonlinear.model.roll_time = nonlinear.model.pitch_time = setting.told_lag;
-  std::unique_ptr<ControlLaw> law;
-  if (name == "nonlinear") {
-    law = std::make_unique<NonlinearController>(options, nonlinear);
-  } else {
-    options.look_ahead = name == "linear, looking ahead";
-    law = std::make_unique<MultirotorController>(problemsWith(nullptr), options);
-  }
-  LawSwitch laws(std::move(law), options);
+  options.look_ahead = name != "linear";
+  LawInputs inputs{options, nonlinear, problemsWith(nullptr), nullptr, defaultLawOptions(lawTypes())};
+  for (MpcProblem& problem : inputs.problems) problem.delay = setting.problems_delay;
+  const auto made = makeLaws(lawTypes(), inputs, lawOfName(name.substr(0, name.find(','))));
+  LawSwitch& laws = *made;
   RigidBodyPlant plant(setting.body, path(0.0).position);
   std::vector<Reference> preview(static_cast<std::size_t>(laws.previewLength()));
   GaussianSource source(11);
@@ -118,8 +116,8 @@ TEST(Swings, OfASlowLoopThatIsNotToldAreToldWithinThreeSeconds) {
 TEST(Swings, OfASlowLoopThatIsToldAreNone) {
   RigidBodyOptions late_racer = racer();
   late_racer.command_delay = 0.1;
-  for (const Setting& setting :
-       {Setting{noisy(heavy()), 0.03, 0.42}, Setting{noisy(late_racer), 0.1}}) {
+  for (const Setting& setting : {Setting{noisy(heavy()), 0.03, 0.42}, Setting{noisy(late_racer), 0.1},
+                                 Setting{noisy(late_racer), 0.0, 0.0, 0.0, 0.1}}) {
     for (const Path& path : {hover(), eight(0.27)}) {
       const Flown flown = fly("nonlinear", setting, path);
       EXPECT_LT(flown.greatest, 0.6 * kBound) << setting.body.mass;
