@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "online_controller/types/attitude.hpp"
+#include "online_controller/types/remark.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_ros/geometry.hpp"
 
@@ -220,7 +221,7 @@ void fillStatus(const polyfly::ControlReport& report,
                 "the message restates the enumerations");
   message.status = static_cast<std::uint8_t>(report.status);
   message.reason = static_cast<std::uint8_t>(report.reason);
-  message.text = describe(report, parameters);
+  message.text = describe(report, &parameters);
   fillAxis(report.axis[0], parameters[0], message.longitudinal);
   fillAxis(report.axis[1], parameters[1], message.lateral);
   fillAxis(report.axis[2], parameters[2], message.vertical);
@@ -230,30 +231,26 @@ void fillStatus(const polyfly::ControlReport& report,
 }
 
 bool isAsAsked(const polyfly::ControlReport& report) noexcept {
-  return (report.status == ControlStatus::kOptimal && !polyfly::isOutsideMap(report)) ||
+  return (report.status == ControlStatus::kOptimal && !polyfly::isOutsideMap(report) &&
+          !polyfly::hasRemark(report)) ||
          report.reason == ControlReason::kOnGround || report.reason == ControlReason::kPilot;
 }
 
-std::string describe(const polyfly::ControlReport& report) {
-  const std::string text = words(report.status);
-  return report.reason == ControlReason::kNone ? text : text + ": " + words(report.reason);
-}
-
 std::string describe(const polyfly::ControlReport& report,
-                     const std::array<std::vector<polyfly::Signal>, 3>& parameters) {
+                     const std::array<std::vector<polyfly::Signal>, 3>* parameters) {
   std::string text = words(report.status);
-  if (report.reason == ControlReason::kNone) return text;
-  text += ": ";
-  if (report.reason == ControlReason::kOutsideBox) {
+  if (report.reason != ControlReason::kNone) text += ": ";
+  if (report.reason == ControlReason::kOutsideBox && parameters != nullptr) {
     std::string names;
     for (std::size_t i = 0; i < report.axis.size(); ++i) {
       const int outside = report.axis[i].outside_parameter;
       if (outside >= 0)
-        names += (names.empty() ? "" : ", ") + parameters[i].at(static_cast<std::size_t>(outside)).name;
+        names += (names.empty() ? "" : ", ") + (*parameters)[i].at(static_cast<std::size_t>(outside)).name;
     }
     text += names + " ";
   }
-  return text + words(report.reason);
+  text += words(report.reason);
+  return polyfly::hasRemark(report) ? text + "; " + polyfly::remarkOn(report) : text;
 }
 
 }  // namespace polyfly_ros

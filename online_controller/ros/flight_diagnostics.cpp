@@ -21,7 +21,15 @@ void addTimes(diagnostic_updater::DiagnosticStatusWrapper& status, const std::st
 
 FlightDiagnostics::FlightDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                                      const FlightRecord& record, const ActiveLaws& laws)
-    : updater_(handle, private_handle, private_handle.getNamespace()), record_(record), laws_(laws) {
+    : updater_(handle, private_handle, private_handle.getNamespace()),
+      record_(record),
+      laws_(laws),
+      counters_{
+          {{record.overruns, "control periods overrun", "control periods overrun"},
+           {record.lost, "odometry missing", "odometry missing"},
+           {record.outside_map, "samples outside the maps", "left the maps"},
+           {record.clipped, "samples clipped to the maps", "clipped to the ranges of the maps"},
+           {record.without_plan, "samples without a plan", "no plan meets all bounds of the robust law"}}} {
   updater_.setHardwareID("none");
   updater_.add("control", this, &FlightDiagnostics::diagnose);
 }
@@ -36,43 +44,25 @@ void FlightDiagnostics::summarise(diagnostic_updater::DiagnosticStatusWrapper& s
     status.summary(DiagnosticStatus::WARN, "no odometry yet");
     return;
   }
-  const polyfly::ControlStatus control = snapshot_->report.status;
-  const bool well = isAsAsked(snapshot_->report);
-  const bool poor = polyfly::isOutsideMap(snapshot_->report) || control == polyfly::ControlStatus::kClipped ||
-                    control == polyfly::ControlStatus::kSuboptimal ||
-                    control == polyfly::ControlStatus::kLeastViolation ||
-                    control == polyfly::ControlStatus::kNoReference;
-  const auto level = well ? DiagnosticStatus::OK : poor ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR;
-  status.summary(level, std::string(polyfly::lawName(snapshot_->law)) + ": " + describe(snapshot_->report));
+  const polyfly::ControlReport& report = snapshot_->report;
+  const bool poor = polyfly::isAnswer(report.status) || report.status == polyfly::ControlStatus::kNoReference;
+  const auto level = isAsAsked(report) ? DiagnosticStatus::OK
+                     : poor            ? DiagnosticStatus::WARN
+                                       : DiagnosticStatus::ERROR;
+  status.summary(level, std::string(polyfly::lawName(snapshot_->law)) + ": " + describe(report));
 }
 
 void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   summarise(status);
-  const std::int64_t overruns = record_.overruns.load(std::memory_order_relaxed);
-  const std::int64_t lost = record_.lost.load(std::memory_order_relaxed);
-  if (overruns > told_overruns_) status.mergeSummary(DiagnosticStatus::WARN, "control periods overrun");
-  if (lost > told_lost_) status.mergeSummary(DiagnosticStatus::WARN, "odometry missing");
-  const std::int64_t outside = record_.outside_map.load(std::memory_order_relaxed);
-  if (outside > told_outside_) status.mergeSummary(DiagnosticStatus::WARN, "left the maps");
-  const std::int64_t clipped = record_.clipped.load(std::memory_order_relaxed);
-  const std::int64_t without_plan = record_.without_plan.load(std::memory_order_relaxed);
-  if (clipped > told_clipped_)
-    status.mergeSummary(DiagnosticStatus::WARN, "clipped to the ranges of the maps");
-  if (without_plan > told_without_plan_)
-    status.mergeSummary(DiagnosticStatus::WARN, "no plan meets all bounds of the robust law");
-  told_outside_ = outside;
-  told_clipped_ = clipped;
-  told_without_plan_ = without_plan;
-  told_overruns_ = overruns;
-  told_lost_ = lost;
   status.add("steps", record_.latency.count());
   addTimes(status, "odometry to command", record_.latency);
   addTimes(status, "control law", record_.step);
-  status.add("control periods overrun", overruns);
-  status.add("odometry missing", lost);
-  status.add("samples outside the maps", outside);
-  status.add("samples clipped to the maps", clipped);
-  status.add("samples without a plan", without_plan);
+  for (Counter& counter : counters_) {
+    const std::int64_t count = counter.count.load(std::memory_order_relaxed);
+    if (count > counter.told) status.mergeSummary(DiagnosticStatus::WARN, counter.warning);
+    counter.told = count;
+    status.add(counter.name, count);
+  }
   status.add("odometry that waited", record_.waited.load(std::memory_order_relaxed));
   status.add("laws exchanged", laws_.swaps());
   if (snapshot_ == nullptr) return;
@@ -86,6 +76,8 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   status.add("pitch loop, lag [s]", loops.pitch_time);
   status.add("drag beyond the model along x [1/s]", snapshot_->report.found_drag[0]);
   status.add("drag beyond the model along y [1/s]", snapshot_->report.found_drag[1]);
+  status.add("commands swing", snapshot_->report.swings);
+  status.add("constant force not removed [N]", snapshot_->report.force_left.norm());
 }
 
 }  // namespace polyfly_ros

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "online_controller/types/remark.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
 #include "region_maps/region_map.hpp"
@@ -16,6 +17,7 @@ namespace polyfly_ros {
 namespace {
 
 constexpr double kWarningInterval = 1.0;  // between two warnings [s]
+constexpr double kRemarkInterval = 10.0;  // between two remarks on answers [s]
 constexpr const char* kNothingSent = "; nothing is sent";
 
 bool isIdle(const Answered& answered) {
@@ -111,11 +113,13 @@ std::int64_t FlightReporter::lookupTime(const Answered& answered) {
 
 void FlightReporter::logChange(const Answered& answered) {
   const polyfly::ControlReport& report = answered.report;
+  if (polyfly::hasRemark(report))
+    ROS_WARN_THROTTLE(kRemarkInterval, "MPC: %s", polyfly::remarkOn(report).c_str());
   if (report.status == logged_status_ && report.reason == logged_reason_) return;
   logged_status_ = report.status;
   logged_reason_ = report.reason;
   const std::string text =
-      describe(report, laws_.laws().parameters(answered.law)) + (isIdle(answered) ? kNothingSent : "");
+      describe(report, &laws_.laws().parameters(answered.law)) + (isIdle(answered) ? kNothingSent : "");
   if (isAsAsked(report)) {
     ROS_INFO_THROTTLE(kWarningInterval, "MPC: %s", text.c_str());
   } else {

@@ -6,47 +6,12 @@
 
 #include "compared_laws.hpp"
 #include "polyfly_test/gaussian_source.hpp"
-#include "polyfly_test/rigid_body_plant.hpp"
+#include "rigid_bodies.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kGustStart = 10.0, kGustEnd = 70.0;  // [s]
-
-// A racer: loops of 0.07 and 0.03 s, where the shipped model has one of 0.25 s.
-RigidBodyOptions racer() {
-  constexpr double kSlow = 0.07, kFast = 0.03;  // [s]
-  RigidBodyOptions options;
-  options.mass = 0.5;
-  options.inertia = {0.002, 0.002, 0.0035};
-  options.arm = 0.08;
-  options.rotor_up = 0.01;
-  options.rotor_down = 0.015;
-  options.rotor_max = 5.0;
-  options.drag = 0.2;
-  options.stiffness = 1.0 / (kSlow * kFast);
-  options.damping = (kSlow + kFast) / (kSlow * kFast);
-  options.moment_max = {0.5, 0.5, 0.1};
-  return options;
-}
-
-// A hexacopter's weight, loops of 0.24 and 0.18 s, slow rotors and a delay.
-RigidBodyOptions heavy() {
-  constexpr double kSlow = 0.24, kFast = 0.18;  // [s]
-  RigidBodyOptions options;
-  options.mass = 8.0;
-  options.inertia = {0.35, 0.35, 0.6};
-  options.arm = 0.4;
-  options.rotor_up = 0.06;
-  options.rotor_down = 0.08;
-  options.rotor_max = 45.0;
-  options.drag = 0.02;
-  options.stiffness = 1.0 / (kSlow * kFast);
-  options.damping = (kSlow + kFast) / (kSlow * kFast);
-  options.moment_max = {8.0, 8.0, 2.0};
-  options.command_delay = 0.03;
-  return options;
-}
 
 /// RMS of the position error [m] on a circle from 30 to 50 s after gusts of `sigma` [m/s^2] in each axis.
 double errorAfterGusts(const RigidBodyOptions& vehicle, bool nonlinear, bool adapt_model, double sigma,

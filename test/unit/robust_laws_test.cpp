@@ -17,6 +17,7 @@
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/types/remark.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
@@ -149,6 +150,32 @@ TEST(RobustLaws, AWrongMassLeavesNoOffsetWhereTheConstantPartIsRemoved) {
                    std::to_string(left.position.z()) + " m without, " + std::to_string(removed.position.z()) +
                        " m with it, at most " + std::to_string(removed.greatest));
   }
+}
+
+// The thrust that holds a vehicle 20 % heavier exceeds the told weight by 1.275 N. The disturbance's range is 0.5 m/s^2 in
+// each axis, 0.325 N. What is removed, and what is below a third of that, is not told.
+TEST(RobustLaws, AConstantForceThatIsNotRemovedIsTold) {
+  const auto flown = [](double mass_share, const Vector3d& wind, double estimate_time, double gust = 0.0) {
+    PlantOptions plant = aslquadPlant();
+    plant.mass = mass_share * kMass;
+    plant.wind = wind;
+    plant.gust_sigma = {gust, gust, gust};
+    MultirotorController law(aslquad().pointers(), optionsOf(0.01, estimate_time));
+    hover(law, plant, 20.0);
+    return law.report();
+  };
+  const ControlReport heavy = flown(1.2, Vector3d::Zero(), 0.0);
+  EXPECT_NEAR(heavy.force_left.z(), -0.2 * kMass * PlantOptions{}.gravity, 0.05);
+  EXPECT_EQ(heavy.force_left.head<2>().norm(), 0.0);
+  const std::string text = remarkOn(heavy);
+  for (const char* part : {"N along z is not removed", "controller/robust_estimate_time", "feasibility"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  EXPECT_NEAR(flown(1.0, {0.22, 0.0, 0.0}, 0.0).force_left.x(), 0.22 * kMass, 0.02);
+  EXPECT_FALSE(hasRemark(flown(1.0, {0.12, -0.12, 0.12}, 0.0)));
+  EXPECT_FALSE(hasRemark(flown(1.0, Vector3d::Zero(), 0.0, 0.1)));
+  const ControlReport removed = flown(1.2, {0.3, 0.0, 0.0}, 1.0);
+  EXPECT_FALSE(hasRemark(removed));
+  EXPECT_EQ(remarkOn(removed), "");
 }
 
 // Wind beyond the range of the maps: what remains of it is within.

@@ -54,15 +54,13 @@ void fillStatus(const polyfly::ControlReport& report,
                 const std::array<std::vector<polyfly::Signal>, 3>& parameters,
                 online_controller::ControllerStatus& message);
 
-/// As below, without names: "clipped: outside the range of its map".
-std::string describe(const polyfly::ControlReport& report);
-
-/// "clipped: e_p_x outside the range of its map", for logs and the status message.
+/// "clipped: e_p_x outside the range of its map", for logs, the status message and diagnostics; with remarkOn(report).
+/// Without `parameters` it names none.
 std::string describe(const polyfly::ControlReport& report,
-                     const std::array<std::vector<polyfly::Signal>, 3>& parameters);
+                     const std::array<std::vector<polyfly::Signal>, 3>* parameters = nullptr);
 
 /// Whether that is what somebody has asked for: a law's answer (an explicit one's within its maps), the sticks, or
-/// standing on the ground.
+/// standing on the ground. An answer with a remark is not.
 bool isAsAsked(const polyfly::ControlReport& report) noexcept;
 
 }  // namespace polyfly_ros

@@ -3,6 +3,10 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 
+#include <array>
+#include <atomic>
+#include <cstdint>
+
 #include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
 
@@ -21,6 +25,14 @@ class FlightDiagnostics {
   void update(const FlightSnapshot* snapshot);
 
  private:
+  /// A count of the record, with a warning where it has grown.
+  struct Counter {
+    const std::atomic<std::int64_t>& count;
+    const char* name;
+    const char* warning;
+    std::int64_t told = 0;
+  };
+
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void summarise(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
@@ -28,11 +40,7 @@ class FlightDiagnostics {
   const FlightRecord& record_;
   const ActiveLaws& laws_;
   const FlightSnapshot* snapshot_ = nullptr;
-  std::int64_t told_overruns_ = 0;
-  std::int64_t told_lost_ = 0;
-  std::int64_t told_outside_ = 0;
-  std::int64_t told_clipped_ = 0;
-  std::int64_t told_without_plan_ = 0;
+  std::array<Counter, 5> counters_;
 };
 
 }  // namespace polyfly_ros

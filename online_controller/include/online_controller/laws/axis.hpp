@@ -206,9 +206,12 @@ class Axis {
   /// robust MPC it is the constant part alone, the observer's estimate behind a lag of options.robust_estimate_time. That
   /// law accounts for all that varies, so compensating it would count it twice.
   double disturbance() const noexcept {
-    if (law_->problem().minimum_peak) return constant_part_;
+    if (law_->problem().minimum_peak) return removes_constant_ ? constant_part_ : 0.0;
     return offset_free_ ? observer_.disturbance() : 0.0;
   }
+  /// Constant part of the disturbance that a minimum-peak robust MPC does not remove [m/s^2]; 0 where that is at most a third
+  /// of the range that its problem was made for.
+  double constantLeft() const noexcept;
   /// The same with the drag that was found, at the reference's velocity [m/s^2].
   double disturbanceAt(const AxisReference& reference) const noexcept {
     return disturbance() - dragCoefficient() * reference.velocity;
@@ -288,9 +291,12 @@ class Axis {
   DisturbanceObserver observer_;
   std::optional<CoefficientEstimate> drag_;
   AxisTarget goal_;
-  // Of a minimum-peak robust MPC: share of the estimate that a control period adds to the constant part; 0: none.
+  // Of a minimum-peak robust MPC: share of the estimate that a control period adds to the constant part; 0: another law.
   double constant_share_ = 0.0;
+  // The observer's estimate behind a lag, over disturbance_gain_.
   double constant_part_ = 0.0;
+  // Whether the targets remove the constant part.
+  bool removes_constant_ = false;
   // Where the law can look ahead and options.look_ahead is set.
   std::optional<StageReferences> stage_references_;
   bool looks_ahead_ = false;

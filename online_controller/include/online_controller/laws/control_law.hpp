@@ -1,5 +1,6 @@
 #pragma once
 
+#include "online_controller/laws/swing_watch.hpp"
 #include "online_controller/types/types.hpp"
 #include "online_controller/types/vehicle_model.hpp"
 
@@ -107,7 +108,11 @@ class ControlLaw {
     return report_;
   }
 
+  /// Reports whether the commands swing, for an answer at the heading `yaw` [rad].
+  void watchSwings(const Reference& reference, double yaw, double angle_max) noexcept;
+
   ControlReport report_;
+  SwingWatch swings_;
 
  private:
   LawTiming timing_;

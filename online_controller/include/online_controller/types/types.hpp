@@ -151,6 +151,11 @@ struct ControlReport {
   TiltModel loops;
   /// Drag beyond the model's along x and y, found by controller/adapt_model [1/s].
   std::array<double, 2> found_drag{};
+  /// Whether the commands of tilt swing by more than the reference needs, see SwingWatch.
+  bool swings = false;
+  /// Robust law: constant force in W that it does not remove, 0 along an axis where that is at most a third of the
+  /// disturbance's range [N].
+  Eigen::Vector3d force_left = Eigen::Vector3d::Zero();
 };
 
 /// Whether an explicit law's map did not hold a parameter, and the answer comes from another place. It was solved

@@ -50,13 +50,22 @@ void Axis::transferState(const Axis& other) noexcept {
     const double velocity = other.observer_.state()[velocity_state_];
     observer_.setDisturbance(observer_.disturbance() - other.dragCoefficient() * velocity);
   }
-  if (constant_share_ > 0.0) constant_part_ = other.constant_part_;
+  // A part that was not removed so far is not removed at once.
+  constant_part_ = removes_constant_ && !other.removes_constant_ ? 0.0 : other.constant_part_;
 }
 
 void Axis::setDisturbance(double disturbance) noexcept {
   observer_.setDisturbance(disturbance / disturbance_gain_);
   if (drag_) drag_->reset();
-  if (constant_share_ > 0.0) constant_part_ = observer_.disturbance();
+  constant_part_ = observer_.disturbance();
+}
+
+double Axis::constantLeft() const noexcept {
+  if (!law_->problem().minimum_peak || removes_constant_) return 0.0;
+  constexpr double kToldShare = 1.0 / 3.0;
+  const Signal& range = law_->problem().disturbances.front();
+  const bool told = constant_part_ > kToldShare * range.upper || constant_part_ < kToldShare * range.lower;
+  return told ? disturbance_gain_ * constant_part_ : 0.0;
 }
 
 AxisTarget Axis::target(const AxisReference& reference, double disturbance,

@@ -24,6 +24,8 @@ void requireUnit(const AxisLaw& law, const AxisNames& names, const Signal& signa
 
 // Greatest error of a rate that is computed from a discrete model.
 constexpr double kRateTolerance = 1e-9;
+// Lag behind the observer of a constant disturbance that is only told of [s].
+constexpr double kToldConstantTime = 5.0;
 
 /// The parameter of the problem with this name and the role state_reference; nullptr: none.
 const MpcProblem::Parameter* stateReference(const MpcProblem& problem, const char* name) {
@@ -89,11 +91,13 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
       offset_free_(options.offset_free && !law_->problem().minimum_peak),
       observer_(law_->problem(), observerOptions(law_->problem(), names, options)) {
   bindSignals(names);
-  if (law_->problem().minimum_peak && options.robust_estimate_time > 0.0) {
-    if (!has_input_reference_)
+  if (law_->problem().minimum_peak) {
+    removes_constant_ = options.robust_estimate_time > 0.0;
+    if (removes_constant_ && !has_input_reference_)
       throw Error(law_->place(names.axis) + "parameter " + quoted(names.input_reference) +
                   ": missing, and controller/robust_estimate_time needs it");
-    constant_share_ = 1.0 - std::exp(-options.control_period / options.robust_estimate_time);
+    const double lag = removes_constant_ ? options.robust_estimate_time : kToldConstantTime;
+    constant_share_ = 1.0 - std::exp(-options.control_period / lag);
   }
   readModel(law_->problem(), names);
   // The rotors' drag acts in their plane. Over B_d it is a disturbance.

@@ -86,6 +86,8 @@ const ControlReport& MultirotorController::answer(const VehicleState& state,
   clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
+  // The answers of a minimum-peak law go from bound to bound in flights that are well.
+  if (!axes_[0].problem().minimum_peak) watchSwings(reference, measured.yaw, options_.angle_max);
   return report_;
 }
 
@@ -119,6 +121,7 @@ ControlStatus MultirotorController::evaluate(const Measured& measured, const Ref
     const ControlStatus status =
         axes_[i].evaluate(measured.axes[i], wanted[i], inputs_[i], offsets[i], reports[i]);
     report_.iterations += reports[i].iterations;
+    report_.force_left[static_cast<Eigen::Index>(i)] = options_.mass * axes_[i].constantLeft();
     const bool worse = severity(status) > severity(worst);
     if (worse || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
     if (worse) worst = status;

@@ -34,8 +34,18 @@ MultirotorOptions limited(MultirotorOptions options, const NonlinearMpcOptions& 
   return options;
 }
 
+// Time of an attitude loop with its dead time up to which the weights are taken as given [s].
+constexpr double kGivenWeightsTime = 0.265;
+
+/// What the weight of a command is multiplied by. Over a slower loop the feedback by the given weights would swing.
+double slowness(double loop_time, double delay) noexcept {
+  return std::max(1.0, (loop_time + delay) / kGivenWeightsTime);
+}
+
 NonlinearMpcOptions completed(const NonlinearMpcOptions& mpc, const MultirotorOptions& options) {
   NonlinearMpcOptions result = mpc;
+  result.roll_command_weight *= slowness(mpc.model.roll_time, options.delay);
+  result.pitch_command_weight *= slowness(mpc.model.pitch_time, options.delay);
   result.model.gravity = options.gravity;
   result.angle_max = options.angle_max;
   result.thrust_min = options.thrust_min;
@@ -125,6 +135,7 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
     return withoutAnswer(ControlReason::kOutsidePartition);
   }
   send(angles, *preview);
+  watchSwings(*preview, yaw_, options_.angle_max);
   return report_;
 }
 

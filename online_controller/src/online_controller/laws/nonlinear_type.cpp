@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 
@@ -5,7 +7,10 @@ namespace polyfly {
 namespace {
 
 std::unique_ptr<ControlLaw> makeNonlinear(const LawParts& parts) {
-  return std::make_unique<NonlinearController>(parts.controller, parts.nonlinear);
+  MultirotorOptions options = parts.controller;
+  // The law's weights depend on the dead time, which the problems may state.
+  if (options.delay == 0.0) options.delay = std::max(parts.problems[0].delay, parts.problems[1].delay);
+  return std::make_unique<NonlinearController>(options, parts.nonlinear);
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ void MultirotorController::transferState(const ControlLaw& from) noexcept {
   }
   trim_.transferState(other->trim_);
   report_ = other->report_;
+  swings_ = other->swings_;
   report_.level_trim = trim_.level();
   limit(options_, report_.command);
   applied_ = other->applied_;
@@ -48,6 +49,7 @@ void NonlinearController::transferState(const ControlLaw& from) noexcept {
   observer_.transferState(other->observer_);
   trim_.transferState(other->trim_);
   report_ = other->report_;
+  swings_ = other->swings_;
   report_.level_trim = trim_.level();
   limit(options_, report_.command);
   yaw_ = other->yaw_;
