@@ -45,7 +45,7 @@ std::optional<double> RecordingShare::Amount::share() const {
 }
 
 bool RecordingShare::isWhole() const {
-  const auto whole = [](const Amount& amount) { return amount.share().value_or(0.0) >= kWhole; };
+  const auto whole = [](const Amount& amount) { return amount.share().value_or(0.0) >= 1.0; };
   return whole(messages) && whole(bytes) && whole(seconds);
 }
 
@@ -63,6 +63,9 @@ RecordingShare recordingShare(const BagHealth& health, const std::set<std::strin
     share.messages.recorded = recorded;
     share.seconds.recorded = health.seconds;
   }
+  double begin = health.first;
+  for (const TimeSpan& span : health.lost) begin = std::min(begin, span.from);
+  for (const TimeSpan& span : health.lost) share.lost.push_back({span.from - begin, span.to - begin});
   return share;
 }
 
@@ -71,11 +74,21 @@ std::string describe(const RecordingShare& share) {
   return describe(messages) + "; " + describe(bytes) + "; " + describe(seconds);
 }
 
+std::string describe(const std::vector<TimeSpan>& spans) {
+  constexpr std::size_t kMostTold = 5;
+  std::string all;
+  for (std::size_t i = 0; i < std::min(spans.size(), kMostTold); ++i)
+    all += (i == 0 ? "" : ", ") + text("%.6g", spans[i].from) + " to " + text("%.6g", spans[i].to) + " s";
+  if (spans.size() > kMostTold) all += " and " + std::to_string(spans.size() - kMostTold) + " more times";
+  return all;
+}
+
 std::string lossSentence(const RecordingShare& share) {
   if (share.isWhole()) return "";
   const bool known = share.messages.recorded && share.seconds.recorded;
   return std::string(known ? "Parts of the recording are lost." : "The end of the recording is missing.") +
-         " Read were " + describe(share) + ".";
+         " Read were " + describe(share) + "." +
+         (share.lost.empty() ? "" : " Lost: " + describe(share.lost) + " after the recording's begin.");
 }
 
 }  // namespace polyfly

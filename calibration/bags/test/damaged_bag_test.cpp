@@ -73,6 +73,9 @@ class DamagedBag : public testing::TestWithParam<std::tuple<FieldOrder, std::str
     EXPECT_FALSE(share.isWhole()) << what;
     EXPECT_NE(lossSentence(share).find("Parts of the recording are lost"), std::string::npos) << what;
     EXPECT_FALSE(health.remarks.empty()) << what;
+    ASSERT_EQ(share.lost.size(), chunks) << what;
+    EXPECT_GT(share.lost[0].to, share.lost[0].from) << what;
+    EXPECT_NE(lossSentence(share).find(" Lost: "), std::string::npos) << what;
   }
 };
 

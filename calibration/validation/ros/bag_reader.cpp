@@ -84,6 +84,7 @@ class LogBuilder {
     }
     FlightLog::Status status;
     status.stamp = message.header.stamp.toSec();
+    status.sequence = message.sequence;
     status.status = static_cast<polyfly::ControlStatus>(message.status);
     status.reason = static_cast<polyfly::ControlReason>(message.reason);
     status.region = {message.longitudinal.region, message.lateral.region, message.vertical.region};

@@ -85,8 +85,16 @@ struct CommandValidation {
   std::size_t not_finite = 0;
 };
 
-/// A stretch in which the replay does not know what the controller knew: its commands are not compared.
+/// Why the replay does not know what the controller knew.
+enum class Ignorance {
+  kBegun,    ///< the recording begins in flight
+  kMissing,  ///< a part of the recording is missing
+  kAltered,  ///< the recorded odometry is not that which the controller answered
+};
+
+/// A stretch whose commands are not compared. It ends where the commands agree again, or with the record.
 struct IncomparableStretch {
+  Ignorance cause = Ignorance::kMissing;
   double from = 0.0;  ///< stamp of the first sample [s]
   double to = 0.0;    ///< stamp of the last sample [s]
   std::size_t samples = 0;
