@@ -4,9 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 namespace polyfly {
 namespace {
+
+// Longest time between two pieces of a recording [s].
+constexpr double kLongestSplit = 1.0;
 
 struct Named {
   const RecordingShare::Amount& amount;
@@ -42,6 +46,42 @@ std::string describe(const Named& part) {
 std::optional<double> RecordingShare::Amount::share() const {
   if (!recorded) return std::nullopt;
   return *recorded > 0.0 ? std::min(read / *recorded, 1.0) : 1.0;
+}
+
+RecordingShare together(const RecordingShare& one, const RecordingShare& other, double later) {
+  const auto sum = [](const RecordingShare::Amount& a, const RecordingShare::Amount& b) {
+    RecordingShare::Amount result = {a.read + b.read, std::nullopt};
+    if (a.recorded && b.recorded) result.recorded = *a.recorded + *b.recorded;
+    return result;
+  };
+  RecordingShare result = {sum(one.messages, other.messages), sum(one.bytes, other.bytes),
+                           sum(one.seconds, other.seconds), one.lost};
+  for (const TimeSpan& span : other.lost) result.lost.push_back({span.from + later, span.to + later});
+  return result;
+}
+
+std::vector<std::vector<std::size_t>> recordingsOf(const std::vector<TimeSpan>& files) {
+  std::vector<std::size_t> order(files.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&files](std::size_t one, std::size_t other) {
+    return files[one].from < files[other].from;
+  });
+  std::vector<std::vector<std::size_t>> recordings;
+  for (const std::size_t file : order) {
+    const auto before =
+        std::find_if(recordings.begin(), recordings.end(), [&](const std::vector<std::size_t>& recording) {
+          const TimeSpan& last = files[recording.back()];
+          return files[file].to > last.to && std::abs(files[file].from - last.to) < kLongestSplit;
+        });
+    if (before == recordings.end()) {
+      recordings.push_back({file});
+    } else {
+      before->push_back(file);
+    }
+  }
+  // In the order in which the first pieces were named.
+  std::sort(recordings.begin(), recordings.end());
+  return recordings;
 }
 
 bool RecordingShare::isWhole() const {

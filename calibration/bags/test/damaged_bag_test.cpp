@@ -197,6 +197,17 @@ INSTANTIATE_TEST_SUITE_P(All, DamagedBag,
                                   (std::get<0>(test.param) == FieldOrder::kSorted ? "Sorted" : "KindFirst");
                          });
 
+TEST(RecordingShareText, FindsThePiecesOfRecordings) {
+  using Groups = std::vector<std::vector<std::size_t>>;
+  EXPECT_EQ(recordingsOf({{100.0, 160.0}}), (Groups{{0}}));
+  // The pieces in any order, and another flight.
+  EXPECT_EQ(recordingsOf({{160.1, 200.0}, {10.0, 50.0}, {100.0, 160.0}, {200.0, 210.0}}),
+            (Groups{{1}, {2, 0, 3}}));
+  // One flight twice, and flights on a clock that begins anew.
+  EXPECT_EQ(recordingsOf({{100.0, 160.0}, {100.0, 160.0}}), (Groups{{0}, {1}}));
+  EXPECT_EQ(recordingsOf({{0.0, 60.0}, {0.0, 61.0}, {62.5, 70.0}}), (Groups{{0}, {1}, {2}}));
+}
+
 // A file of nothing but the marks that are searched for.
 TEST(DamagedBagText, IsSearchedInReasonableSteps) {
   const std::string magic = "#ROSBAG V2.0\n";

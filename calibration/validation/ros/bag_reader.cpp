@@ -222,9 +222,9 @@ std::string latenessClause(const std::vector<FlightLog::TopicClock>& clocks) {
 
 class BagReader {
  public:
-  BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress,
+  BagReader(const std::vector<std::string>& paths, const BagTopics& topics, const BagProgress& progress,
             const BagQuestion& ask)
-      : path_(path), topics_(topics), ask_(ask), reader_(path), builder_(path) {
+      : path_(paths.front()), topics_(topics), ask_(ask), reader_(paths), builder_(path_) {
     scan(progress);
     // The second scan holds the messages of the topics that were named now.
     if (askForTopics()) scan(progress);
@@ -338,9 +338,26 @@ class BagReader {
 
 }  // namespace
 
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress,
-                           const BagQuestion& ask) {
-  return BagReader(path, topics, progress, ask).read();
+polyfly::FlightLog readBag(const std::vector<std::string>& pieces, const BagTopics& topics,
+                           const BagProgress& progress, const BagQuestion& ask) {
+  return BagReader(pieces, topics, progress, ask).read();
+}
+
+std::vector<std::vector<std::string>> recordingsOf(const std::vector<std::string>& bags) {
+  if (bags.size() == 1) return {bags};
+  std::vector<polyfly::TimeSpan> times;
+  polyfly::BagVisitor visitor;
+  visitor.wants = [](const polyfly::BagConnection&) { return false; };
+  for (const std::string& bag : bags) {
+    const polyfly::BagHealth health = polyfly::scanBag(bag, visitor);
+    times.push_back({health.first, health.last});
+  }
+  std::vector<std::vector<std::string>> recordings;
+  for (const std::vector<std::size_t>& pieces : polyfly::recordingsOf(times)) {
+    recordings.emplace_back();
+    for (const std::size_t piece : pieces) recordings.back().push_back(bags[piece]);
+  }
+  return recordings;
 }
 
 }  // namespace polyfly_ros

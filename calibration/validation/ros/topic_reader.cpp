@@ -32,6 +32,7 @@ std::string TopicReader::findPrefix(const std::string& name_space, const std::st
 
 void TopicReader::scan(const std::vector<std::string>& names, const BagProgress& progress) {
   held_.clear();
+  healths_.clear();
   repeated_.clear();
   polyfly::BagVisitor visitor;
   visitor.progress = progress;
@@ -45,7 +46,7 @@ void TopicReader::scan(const std::vector<std::string>& names, const BagProgress&
   visitor.message = [this](const polyfly::BagMessage& message) {
     held_.push_back({message.connection->topic, message.time(), {message.data, message.data + message.size}});
   };
-  health_ = polyfly::scanBag(path_, visitor);
+  for (const std::string& path : paths_) healths_.push_back(polyfly::scanBag(path, visitor));
   std::stable_sort(held_.begin(), held_.end(),
                    [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
   leaveRepeatsOut();
@@ -102,13 +103,27 @@ void TopicReader::read() {
 polyfly::RecordingShare TopicReader::share() const {
   std::set<std::string> topics;
   for (const auto& [topic, handler] : handlers_) topics.insert(topic);
-  polyfly::RecordingShare share = polyfly::recordingShare(health_, topics);
+  polyfly::RecordingShare share = polyfly::recordingShare(healths_.front(), topics);
+  for (std::size_t piece = 1; piece < healths_.size(); ++piece) {
+    share = polyfly::together(share, polyfly::recordingShare(healths_[piece], topics),
+                              healths_[piece].first - healths_.front().first);
+  }
   for (const auto& [topic, count] : misfits_) share.messages.read -= static_cast<double>(count);
   return share;
 }
 
+std::vector<std::string> TopicReader::fileRemarks() const {
+  std::vector<std::string> remarks = healths_.front().remarks;
+  for (std::size_t piece = 1; piece < paths_.size(); ++piece) {
+    remarks.push_back("the recording was split and goes on in " + paths_[piece]);
+    for (const std::string& remark : healths_[piece].remarks)
+      remarks.push_back(paths_[piece] + ": " + remark);
+  }
+  return remarks;
+}
+
 std::vector<std::string> TopicReader::remarks() const {
-  std::vector<std::string> remarks = health_.remarks;
+  std::vector<std::string> remarks = fileRemarks();
   for (const auto& [topic, count] : misfits_) {
     remarks.push_back("topic " + topic + ": " + std::to_string(count) +
                       " messages are not what their definition says and were left out");
@@ -121,7 +136,7 @@ std::vector<std::string> TopicReader::remarks() const {
 
 std::string TopicReader::remarkText() const {
   std::string text;
-  for (const std::string& remark : health_.remarks) text += "; " + remark;
+  for (const std::string& remark : fileRemarks()) text += "; " + remark;
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -30,6 +31,13 @@ struct RecordingShare {
   /// Whether all three are known, and nothing is lost.
   bool isWhole() const;
 };
+
+/// Of two pieces of a recording, or of two recordings. `later` is how much the second begins after the first [s].
+RecordingShare together(const RecordingShare& one, const RecordingShare& other, double later = 0.0);
+
+/// The recordings that files of these times are, each as the numbers of its pieces in order of time. A piece begins
+/// within a second of the end of the one before, as those of `rosbag record --split`.
+std::vector<std::vector<std::size_t>> recordingsOf(const std::vector<TimeSpan>& files);
 
 /// Of a bag that was read. Messages are those of the given topics, or all if there are none.
 RecordingShare recordingShare(const BagHealth& health, const std::set<std::string>& topics = {});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <online_controller/ControllerStatus.h>
+#include <rosbag/view.h>
 #include <std_msgs/String.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
@@ -109,6 +110,27 @@ TEST_F(BagReader, countsMessagesThatAreRecordedTwiceOnce) {
     return remark.find("odometry: 200 messages are recorded again; each counts once") != std::string::npos;
   };
   EXPECT_TRUE(std::any_of(read.remarks.begin(), read.remarks.end(), told));
+}
+
+// The second half has no reference: it goes on with that of the first.
+TEST_F(BagReader, readsThePiecesOfASplitRecordingAsOneFlight) {
+  rosbag::Bag whole(path(), rosbag::bagmode::Write);
+  writeFlight(log_, {}, &whole);
+  whole.close();
+  whole.open(path());
+  const std::string second = folder_ / "a_second.bag";
+  {
+    rosbag::Bag one(folder_ / "first.bag", rosbag::bagmode::Write), other(second, rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& message : rosbag::View(whole))
+      (message.getTime().toSec() < 101.0 ? one : other).write(message.getTopic(), message.getTime(), message);
+  }
+  const auto recordings = recordingsOf({second, folder_ / "first.bag"});
+  ASSERT_EQ(recordings.size(), 1u);
+  EXPECT_EQ(recordings[0].back(), second);
+  const FlightLog read = readBag(recordings[0], {});
+  expectExactReplay(read, 200);
+  EXPECT_TRUE(read.share && read.share->isWhole());
+  EXPECT_EQ(read.remarks, std::vector<std::string>{"the recording was split and goes on in " + second});
 }
 
 // Early in the flight the recorder falls behind by 1.4 s in steps, and catches up.
