@@ -237,9 +237,9 @@ polyfly::ValidationReport judge(const std::vector<std::string>& bag, std::size_t
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const polyfly::MultirotorOptions options = given ? *given : optionsOf(log);
   const std::vector<polyfly::ReplaySample> samples =
-      polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options));
-  polyfly::ValidationReport report =
-      polyfly::validate(log, samples, maps.flown, options, robustOracle, arguments.thresholds);
+      polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options),
+                      arguments.thresholds.max_command_difference);
+  polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
     report.comparisons.push_back(
         polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
