@@ -139,8 +139,12 @@ class LogBuilder {
     log_.events = std::move(sorted);
   }
 
-  // The first reference came between the last step without one and the first step with one.
+  // The first reference came between the last step without one and the first step with one. Not in a record that begins
+  // in flight: the one of its begin is not in it.
   void placeFirstReference() {
+    if (!log_.statuses.empty() && log_.statuses.front().sequence > 0 &&
+        hasReference(log_.statuses.front().status))
+      return;
     // Whether a step had a reference, by the stamp of its odometry.
     std::map<double, bool> tracked;
     for (const FlightLog::Status& status : log_.statuses) {

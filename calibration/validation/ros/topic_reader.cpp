@@ -3,10 +3,17 @@
 #include <mav_msgs/RollPitchYawrateThrust.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "polyfly_base/read_text.hpp"
 
 namespace polyfly_ros {
+namespace {
+
+// Longest time in which a message is recorded again [s].
+constexpr double kLatestRepeat = 1.0;
+
+}  // namespace
 
 using polyfly::Error;
 
@@ -53,19 +60,22 @@ void TopicReader::scan(const std::vector<std::string>& names, const BagProgress&
   if (types_.empty()) throw Error(path_ + ": holds no message" + remarkText());
 }
 
-// A publisher numbers its messages, so no two of them are the same.
+// A publisher numbers its messages, so no two of them are the same. A second recorder may be late.
 void TopicReader::leaveRepeatsOut() {
   std::vector<HeldMessage> once;
   once.reserve(held_.size());
-  // Place of each topic's message before.
-  std::map<std::string, std::size_t> before;
+  // Places of each topic's messages of the last second.
+  std::map<std::string, std::deque<std::size_t>> before;
   for (HeldMessage& held : held_) {
-    const auto [place, is_first] = before.try_emplace(held.topic, once.size());
-    if (!is_first && once[place->second].bytes == held.bytes) {
+    std::deque<std::size_t>& places = before[held.topic];
+    while (!places.empty() && held.time - once[places.front()].time > kLatestRepeat) places.pop_front();
+    const bool is_repeat = std::any_of(places.begin(), places.end(),
+                                       [&](std::size_t place) { return once[place].bytes == held.bytes; });
+    if (is_repeat) {
       ++repeated_[held.topic];
       continue;
     }
-    place->second = once.size();
+    places.push_back(once.size());
     once.push_back(std::move(held));
   }
   held_ = std::move(once);

@@ -129,7 +129,7 @@ class TopicReader {
   std::vector<HeldMessage> held_;
   // Number of misfits by topic.
   std::map<std::string, std::size_t> misfits_;
-  // Number of messages that repeat the one before, by topic.
+  // Number of messages that are recorded again, by topic.
   std::map<std::string, std::size_t> repeated_;
   std::map<std::string, std::function<void(const HeldMessage&)>> handlers_;
 };
