@@ -85,10 +85,10 @@ std::string whyNoAxis(const std::vector<ReadFlight>& flights) {
 
 AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   IdentifyOptions options = arguments.options;
-  const auto windows = flightWindows(arguments.windows, arguments.logs.size());
   options.validation_windows = parseWindows(arguments.validation_windows);
   AttitudeCalibration calibration;
   const std::vector<ReadFlight> flights = readFlights(arguments, &calibration.remarks);
+  const auto windows = flightWindows(arguments.windows, flights.size());
   for (const ReadFlight& flight : flights) {
     calibration.training.push_back(flight.provenance);
     calibration.lossy = calibration.lossy || flight.signals.lossy;

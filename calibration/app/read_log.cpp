@@ -9,10 +9,12 @@
 #include <map>
 
 #include "autopilot/autopilot_signals.hpp"
+#include "bags/recording_share.hpp"
 #include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
 #include "identification/flight_phases.hpp"
+#include "identification/several_motions.hpp"
 #include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
@@ -187,6 +189,33 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   return signals;
 }
 
+namespace {
+
+// Puts the pieces of recordings together: they are no flights of their own.
+std::vector<ReadFlight> piecedTogether(std::vector<ReadFlight> files, std::vector<std::string>* remarks) {
+  std::vector<TimeSpan> times;
+  for (const ReadFlight& file : files) {
+    const TimeWindow span = spanOf(file.signals);
+    times.push_back({span.from, span.to});
+  }
+  std::vector<ReadFlight> flights;
+  for (const std::vector<std::size_t>& pieces : recordingsOf(times)) {
+    flights.push_back(std::move(files[pieces.front()]));
+    ReadFlight& flight = flights.back();
+    for (std::size_t piece = 1; piece < pieces.size(); ++piece) {
+      ReadFlight& next = files[pieces[piece]];
+      remarks->push_back(flight.signals.source + ": the recording was split and goes on in " +
+                         next.signals.source);
+      flight.provenance.file += ", " + next.provenance.file;
+      flight.provenance.checksum += ", " + next.provenance.checksum;
+      append(std::move(next.signals), &flight.signals);
+    }
+  }
+  return flights;
+}
+
+}  // namespace
+
 std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks) {
   std::vector<ReadFlight> flights;
   for (const std::string& path : arguments.logs) {
@@ -198,7 +227,7 @@ std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<s
     }
     flights.push_back(std::move(flight));
   }
-  return flights;
+  return piecedTogether(std::move(flights), remarks);
 }
 
 RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights) {

@@ -42,13 +42,13 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks);
 
-/// A flight as it was read.
+/// A flight as it was read. The pieces of a recording that was split are one.
 struct ReadFlight {
   FlightSignals signals;
   Provenance provenance;
 };
 
-/// All flights of the arguments. Throws Error; also where a flight is named twice.
+/// All flights of the arguments, in the order of their first files. Throws Error; also where a flight is named twice.
 std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks);
 
 /// Kind of the vehicle, as the flights that tell it agree. Throws Error where they differ.

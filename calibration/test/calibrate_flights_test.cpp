@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "calibrate_tool.hpp"
 #include "made_stretches.hpp"
@@ -83,6 +84,33 @@ TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
   EXPECT_EQ(yaml["data"]["validation"]["file"].as<std::string>(), "other.csv");
   EXPECT_FALSE(yaml["axes"]["roll"]["validation"]["by_halves"].as<bool>());
   EXPECT_GT(yaml["axes"]["roll"]["validation"]["validation_percent"].as<double>(), 90.0);
+}
+
+// As `rosbag record --split` leaves it.
+TEST_F(CalibrateTool, TakesThePiecesOfARecordingForOneFlight) {
+  ASSERT_EQ(run("attitude flight.csv -o whole.yaml"), 0) << err();
+  std::istringstream lines(contents(folder_ / "flight.csv"));
+  std::string head, line;
+  std::getline(lines, head);
+  std::ofstream first(folder_ / "first.csv"), second(folder_ / "second.csv");
+  first << head << "\n";
+  second << head << "\n";
+  for (int number = 0; std::getline(lines, line); ++number) (number < 1000 ? first : second) << line << "\n";
+  first.close();
+  second.close();
+  for (const std::string order : {"first.csv second.csv", "second.csv first.csv"}) {
+    ASSERT_EQ(run("attitude " + order + " -o pieces.yaml"), 0) << err();
+    EXPECT_NE((out() + err()).find("first.csv: the recording was split and goes on in second.csv"),
+              std::string::npos)
+        << out();
+    const YAML::Node roll = YAML::LoadFile(folder_ / "pieces.yaml")["axes"]["roll"];
+    EXPECT_EQ(roll["interval_holds_for"].as<std::string>(), "this flight alone");
+    const YAML::Node whole = YAML::LoadFile(folder_ / "whole.yaml")["axes"]["roll"];
+    const auto gain = [](const YAML::Node& axis) {
+      return axis["with_delay"]["parameters"]["gain"]["value"].as<double>();
+    };
+    EXPECT_EQ(gain(roll), gain(whole));
+  }
 }
 
 TEST_F(CalibrateTool, MakesOneModelOfSeveralFlights) {

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "online_controller/estimation/odometry_gate.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_ros/stamps.hpp"
@@ -271,10 +272,7 @@ void FlightInterface::observe(const Answered& answered) {
   if (answered.accepted) {
     if (answered.restarted) observer_.restart();
     if (answered.report.reason == polyfly::ControlReason::kContradiction) {
-      ROS_WARN_THROTTLE(kTwistInterval,
-                        "MPC: the odometry's velocity does not lead from position to position, or its body "
-                        "rates not to its attitude: "
-                        "its twist must be in the body's frame, in m/s and rad/s");
+      ROS_WARN_THROTTLE(kTwistInterval, "MPC: %s", polyfly::kContradictionSentence);
     }
     observer_.update(answered.state, sent_);
   }

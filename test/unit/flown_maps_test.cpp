@@ -209,6 +209,38 @@ TEST(FlownMapsThatLookAhead, AreReplayedAtTheTimesThatTheNodeReads) {
     ASSERT_EQ(other[i].report.command.roll, without[i].report.command.roll) << i;
 }
 
+// A second of the record is lost, or it begins in flight. What the controller knew comes back by what it sent.
+TEST(FlownMapsOfPartsOfARecord, AgreeAgainAfterSomeSeconds) {
+  const std::vector<RegionMap> opened = solvedMaps(problemsOf("blocked_moves"), "flown_maps_test_parts_");
+  const AxisMaps maps{&opened[0], &opened[1], &opened[2]};
+  MultirotorOptions options;
+  options.adapt_model = false;
+  PlantOptions plant_options;
+  plant_options.wind = {0.4, -0.3, 0.1};
+  PlantState start;
+  start.thrust = plant_options.gravity;
+  MultirotorPlant plant(plant_options, start);
+  const FlightLog whole =
+      recordedFlight(maps, options, ReferenceTrajectory::pose({0.3, 0.2, 0.1}, 0.0), plant, 40.0);
+  for (const double from : {0.0, 10.0}) {
+    FlightLog log;
+    log.add(whole.references[0].trajectory, std::nullopt);
+    for (std::size_t sample = 0; sample < whole.odometry.size(); ++sample) {
+      const double time = whole.odometry[sample].stamp - whole.odometry[0].stamp;
+      if (time >= from && time < from + 1.0) continue;
+      log.add(whole.odometry[sample]);
+      log.commands.push_back(whole.commands[sample]);
+      log.statuses.push_back(whole.statuses[sample]);
+      log.statuses.back().sequence = static_cast<std::uint32_t>(sample);
+    }
+    const ValidationReport report = validate(log, replay(log, maps, options), maps, options);
+    ASSERT_EQ(report.incomparable.size(), 1u);
+    EXPECT_LT(report.incomparable[0].to, whole.odometry[0].stamp + from + 25.0);
+    EXPECT_TRUE(brokenThresholds(report, {}).empty());
+    EXPECT_EQ(report.verdict(), Verdict::kDoubtful);
+  }
+}
+
 /// Greatest difference of the lateral inputs of two laws that answer the same flight, one reference at a time.
 double greatestDifference(MultirotorController one, MultirotorController other, const FlightLog& log) {
   const ReferenceTrajectory& trajectory = log.references.front().trajectory;

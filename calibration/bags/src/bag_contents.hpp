@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "bags/scan_bag.hpp"
 #include "byte_source.hpp"
 #include "record_finder.hpp"
 
 namespace polyfly {
-
-/// An interval of time, ends included [s].
-struct TimeSpan {
-  double from = 0.0;
-  double to = 0.0;
-};
 
 /// Time that lies in at least one of the intervals [s].
 double coveredTime(std::vector<TimeSpan> spans);

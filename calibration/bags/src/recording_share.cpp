@@ -4,9 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 namespace polyfly {
 namespace {
+
+// Longest time between two pieces of a recording [s].
+constexpr double kLongestSplit = 1.0;
 
 struct Named {
   const RecordingShare::Amount& amount;
@@ -44,8 +48,44 @@ std::optional<double> RecordingShare::Amount::share() const {
   return *recorded > 0.0 ? std::min(read / *recorded, 1.0) : 1.0;
 }
 
+RecordingShare together(const RecordingShare& one, const RecordingShare& other, double later) {
+  const auto sum = [](const RecordingShare::Amount& a, const RecordingShare::Amount& b) {
+    RecordingShare::Amount result = {a.read + b.read, std::nullopt};
+    if (a.recorded && b.recorded) result.recorded = *a.recorded + *b.recorded;
+    return result;
+  };
+  RecordingShare result = {sum(one.messages, other.messages), sum(one.bytes, other.bytes),
+                           sum(one.seconds, other.seconds), one.lost};
+  for (const TimeSpan& span : other.lost) result.lost.push_back({span.from + later, span.to + later});
+  return result;
+}
+
+std::vector<std::vector<std::size_t>> recordingsOf(const std::vector<TimeSpan>& files) {
+  std::vector<std::size_t> order(files.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&files](std::size_t one, std::size_t other) {
+    return files[one].from < files[other].from;
+  });
+  std::vector<std::vector<std::size_t>> recordings;
+  for (const std::size_t file : order) {
+    const auto before =
+        std::find_if(recordings.begin(), recordings.end(), [&](const std::vector<std::size_t>& recording) {
+          const TimeSpan& last = files[recording.back()];
+          return files[file].to > last.to && std::abs(files[file].from - last.to) < kLongestSplit;
+        });
+    if (before == recordings.end()) {
+      recordings.push_back({file});
+    } else {
+      before->push_back(file);
+    }
+  }
+  // In the order in which the first pieces were named.
+  std::sort(recordings.begin(), recordings.end());
+  return recordings;
+}
+
 bool RecordingShare::isWhole() const {
-  const auto whole = [](const Amount& amount) { return amount.share().value_or(0.0) >= kWhole; };
+  const auto whole = [](const Amount& amount) { return amount.share().value_or(0.0) >= 1.0; };
   return whole(messages) && whole(bytes) && whole(seconds);
 }
 
@@ -63,6 +103,9 @@ RecordingShare recordingShare(const BagHealth& health, const std::set<std::strin
     share.messages.recorded = recorded;
     share.seconds.recorded = health.seconds;
   }
+  double begin = health.first;
+  for (const TimeSpan& span : health.lost) begin = std::min(begin, span.from);
+  for (const TimeSpan& span : health.lost) share.lost.push_back({span.from - begin, span.to - begin});
   return share;
 }
 
@@ -71,11 +114,21 @@ std::string describe(const RecordingShare& share) {
   return describe(messages) + "; " + describe(bytes) + "; " + describe(seconds);
 }
 
+std::string describe(const std::vector<TimeSpan>& spans) {
+  constexpr std::size_t kMostTold = 5;
+  std::string all;
+  for (std::size_t i = 0; i < std::min(spans.size(), kMostTold); ++i)
+    all += (i == 0 ? "" : ", ") + text("%.6g", spans[i].from) + " to " + text("%.6g", spans[i].to) + " s";
+  if (spans.size() > kMostTold) all += " and " + std::to_string(spans.size() - kMostTold) + " more times";
+  return all;
+}
+
 std::string lossSentence(const RecordingShare& share) {
   if (share.isWhole()) return "";
   const bool known = share.messages.recorded && share.seconds.recorded;
   return std::string(known ? "Parts of the recording are lost." : "The end of the recording is missing.") +
-         " Read were " + describe(share) + ".";
+         " Read were " + describe(share) + "." +
+         (share.lost.empty() ? "" : " Lost: " + describe(share.lost) + " after the recording's begin.");
 }
 
 }  // namespace polyfly

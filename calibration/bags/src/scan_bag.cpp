@@ -7,6 +7,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "bag_contents.hpp"
 #include "bag_record.hpp"
@@ -174,9 +176,17 @@ class Scan {
     health_.bytes_read =
         source_.size() - contents_.unread_bytes - contents_.wrong_length_bytes - damaged_bytes_;
     health_.seconds_read = coveredTime(spans_);
+    std::multiset<std::pair<double, double>> read;
+    for (const TimeSpan& span : spans_) read.insert({span.from, span.to});
     for (const ChunkInfo& info : contents_.infos) {
       if (contents_.end_found) countRecorded(info);
       spans_.push_back(info.span);
+      const auto one = read.find({info.span.from, info.span.to});
+      if (one == read.end()) {
+        health_.lost.push_back(info.span);
+      } else {
+        read.erase(one);
+      }
     }
     health_.seconds = coveredTime(spans_);
   }

@@ -73,6 +73,9 @@ class DamagedBag : public testing::TestWithParam<std::tuple<FieldOrder, std::str
     EXPECT_FALSE(share.isWhole()) << what;
     EXPECT_NE(lossSentence(share).find("Parts of the recording are lost"), std::string::npos) << what;
     EXPECT_FALSE(health.remarks.empty()) << what;
+    ASSERT_EQ(share.lost.size(), chunks) << what;
+    EXPECT_GT(share.lost[0].to, share.lost[0].from) << what;
+    EXPECT_NE(lossSentence(share).find(" Lost: "), std::string::npos) << what;
   }
 };
 
@@ -193,6 +196,17 @@ INSTANTIATE_TEST_SUITE_P(All, DamagedBag,
                            return std::get<1>(test.param) +
                                   (std::get<0>(test.param) == FieldOrder::kSorted ? "Sorted" : "KindFirst");
                          });
+
+TEST(RecordingShareText, FindsThePiecesOfRecordings) {
+  using Groups = std::vector<std::vector<std::size_t>>;
+  EXPECT_EQ(recordingsOf({{100.0, 160.0}}), (Groups{{0}}));
+  // The pieces in any order, and another flight.
+  EXPECT_EQ(recordingsOf({{160.1, 200.0}, {10.0, 50.0}, {100.0, 160.0}, {200.0, 210.0}}),
+            (Groups{{1}, {2, 0, 3}}));
+  // One flight twice, and flights on a clock that begins anew.
+  EXPECT_EQ(recordingsOf({{100.0, 160.0}, {100.0, 160.0}}), (Groups{{0}, {1}}));
+  EXPECT_EQ(recordingsOf({{0.0, 60.0}, {0.0, 61.0}, {62.5, 70.0}}), (Groups{{0}, {1}, {2}}));
+}
 
 // A file of nothing but the marks that are searched for.
 TEST(DamagedBagText, IsSearchedInReasonableSteps) {

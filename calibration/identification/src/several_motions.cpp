@@ -14,19 +14,6 @@ namespace {
 // Pause between flights on one clock; more than a far step, so that nothing spans it [s].
 constexpr double kMotionPause = kFarStep + 10.0;
 
-TimeWindow spanOf(const FlightSignals& flight) {
-  TimeWindow span = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (const auto& [name, series] : flight.series) {
-    for (const double time : series.time) {
-      if (!std::isfinite(time)) continue;
-      span.from = std::min(span.from, time);
-      span.to = std::max(span.to, time);
-    }
-  }
-  if (!(span.from <= span.to)) throw Error(flight.source + ": holds no sample");
-  return span;
-}
-
 TimeWindow movedBy(const TimeWindow& window, double by) { return {window.from + by, window.to + by}; }
 
 std::vector<std::string> commonPlaces(const std::vector<FlightSignals>& flights) {
@@ -60,6 +47,30 @@ SeveralFit pooled(MotionFit all, const std::vector<MotionFit>& fits) {
 
 }  // namespace
 
+TimeWindow spanOf(const FlightSignals& flight) {
+  TimeWindow span = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const auto& [name, series] : flight.series) {
+    for (const double time : series.time) {
+      if (!std::isfinite(time)) continue;
+      span.from = std::min(span.from, time);
+      span.to = std::max(span.to, time);
+    }
+  }
+  return span;
+}
+
+void append(FlightSignals piece, FlightSignals* recording) {
+  if (piece.thrust_is_share != recording->thrust_is_share) piece.series.erase("thrust_cmd");
+  for (auto& [name, series] : piece.series) {
+    TimeSeries& all = recording->series[name];
+    all.time.insert(all.time.end(), series.time.begin(), series.time.end());
+    all.value.insert(all.value.end(), series.value.begin(), series.value.end());
+    recording->origin.try_emplace(name, piece.origin[name]);
+  }
+  recording->lossy = recording->lossy || piece.lossy;
+  recording->not_flight.insert(recording->not_flight.end(), piece.not_flight.begin(), piece.not_flight.end());
+}
+
 JoinedFlights joinFlights(const std::vector<FlightSignals>& flights) {
   JoinedFlights joined;
   FlightSignals& all = joined.signals;
@@ -70,6 +81,7 @@ JoinedFlights joinFlights(const std::vector<FlightSignals>& flights) {
       throw Error(flight.source + ": thrust_cmd has another unit than in " + flights.front().source);
     all.source += (all.source.empty() ? "" : ", ") + flight.source;
     const TimeWindow span = spanOf(flight);
+    if (!(span.from <= span.to)) throw Error(flight.source + ": holds no sample");
     joined.shifts.push_back(next - span.from);
     joined.spans.push_back(movedBy(span, joined.shifts.back()));
     next = joined.spans.back().to + kMotionPause;

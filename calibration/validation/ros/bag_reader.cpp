@@ -84,6 +84,7 @@ class LogBuilder {
     }
     FlightLog::Status status;
     status.stamp = message.header.stamp.toSec();
+    status.sequence = message.sequence;
     status.status = static_cast<polyfly::ControlStatus>(message.status);
     status.reason = static_cast<polyfly::ControlReason>(message.reason);
     status.region = {message.longitudinal.region, message.lateral.region, message.vertical.region};
@@ -138,8 +139,12 @@ class LogBuilder {
     log_.events = std::move(sorted);
   }
 
-  // The first reference came between the last step without one and the first step with one.
+  // The first reference came between the last step without one and the first step with one. Not in a record that begins
+  // in flight: the one of its begin is not in it.
   void placeFirstReference() {
+    if (!log_.statuses.empty() && log_.statuses.front().sequence > 0 &&
+        hasReference(log_.statuses.front().status))
+      return;
     // Whether a step had a reference, by the stamp of its odometry.
     std::map<double, bool> tracked;
     for (const FlightLog::Status& status : log_.statuses) {
@@ -221,9 +226,9 @@ std::string latenessClause(const std::vector<FlightLog::TopicClock>& clocks) {
 
 class BagReader {
  public:
-  BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress,
+  BagReader(const std::vector<std::string>& paths, const BagTopics& topics, const BagProgress& progress,
             const BagQuestion& ask)
-      : path_(path), topics_(topics), ask_(ask), reader_(path), builder_(path) {
+      : path_(paths.front()), topics_(topics), ask_(ask), reader_(paths), builder_(path_) {
     scan(progress);
     // The second scan holds the messages of the topics that were named now.
     if (askForTopics()) scan(progress);
@@ -337,9 +342,26 @@ class BagReader {
 
 }  // namespace
 
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress,
-                           const BagQuestion& ask) {
-  return BagReader(path, topics, progress, ask).read();
+polyfly::FlightLog readBag(const std::vector<std::string>& pieces, const BagTopics& topics,
+                           const BagProgress& progress, const BagQuestion& ask) {
+  return BagReader(pieces, topics, progress, ask).read();
+}
+
+std::vector<std::vector<std::string>> recordingsOf(const std::vector<std::string>& bags) {
+  if (bags.size() == 1) return {bags};
+  std::vector<polyfly::TimeSpan> times;
+  polyfly::BagVisitor visitor;
+  visitor.wants = [](const polyfly::BagConnection&) { return false; };
+  for (const std::string& bag : bags) {
+    const polyfly::BagHealth health = polyfly::scanBag(bag, visitor);
+    times.push_back({health.first, health.last});
+  }
+  std::vector<std::vector<std::string>> recordings;
+  for (const std::vector<std::size_t>& pieces : polyfly::recordingsOf(times)) {
+    recordings.emplace_back();
+    for (const std::size_t piece : pieces) recordings.back().push_back(bags[piece]);
+  }
+  return recordings;
 }
 
 }  // namespace polyfly_ros

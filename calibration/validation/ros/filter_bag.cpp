@@ -27,7 +27,7 @@ polyfly::FilterLog::Status toFilterStatus(const Status& message) {
 
 polyfly::FilterLog readFilterBag(const std::string& path, const FilterTopics& topics,
                                  const BagProgress& progress) {
-  TopicReader reader(path);
+  TopicReader reader({path});
   reader.scan({topics.odometry, topics.wish, topics.status}, progress);
   const std::string prefix = reader.findPrefix(topics.name_space, topics.wish);
   const auto fullName = [&prefix](const std::string& topic) {

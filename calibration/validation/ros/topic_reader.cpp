@@ -3,10 +3,17 @@
 #include <mav_msgs/RollPitchYawrateThrust.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "polyfly_base/read_text.hpp"
 
 namespace polyfly_ros {
+namespace {
+
+// Longest time in which a message is recorded again [s].
+constexpr double kLatestRepeat = 1.0;
+
+}  // namespace
 
 using polyfly::Error;
 
@@ -32,6 +39,7 @@ std::string TopicReader::findPrefix(const std::string& name_space, const std::st
 
 void TopicReader::scan(const std::vector<std::string>& names, const BagProgress& progress) {
   held_.clear();
+  healths_.clear();
   repeated_.clear();
   polyfly::BagVisitor visitor;
   visitor.progress = progress;
@@ -45,26 +53,29 @@ void TopicReader::scan(const std::vector<std::string>& names, const BagProgress&
   visitor.message = [this](const polyfly::BagMessage& message) {
     held_.push_back({message.connection->topic, message.time(), {message.data, message.data + message.size}});
   };
-  health_ = polyfly::scanBag(path_, visitor);
+  for (const std::string& path : paths_) healths_.push_back(polyfly::scanBag(path, visitor));
   std::stable_sort(held_.begin(), held_.end(),
                    [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
   leaveRepeatsOut();
   if (types_.empty()) throw Error(path_ + ": holds no message" + remarkText());
 }
 
-// A publisher numbers its messages, so no two of them are the same.
+// A publisher numbers its messages, so no two of them are the same. A second recorder may be late.
 void TopicReader::leaveRepeatsOut() {
   std::vector<HeldMessage> once;
   once.reserve(held_.size());
-  // Place of each topic's message before.
-  std::map<std::string, std::size_t> before;
+  // Places of each topic's messages of the last second.
+  std::map<std::string, std::deque<std::size_t>> before;
   for (HeldMessage& held : held_) {
-    const auto [place, is_first] = before.try_emplace(held.topic, once.size());
-    if (!is_first && once[place->second].bytes == held.bytes) {
+    std::deque<std::size_t>& places = before[held.topic];
+    while (!places.empty() && held.time - once[places.front()].time > kLatestRepeat) places.pop_front();
+    const bool is_repeat = std::any_of(places.begin(), places.end(),
+                                       [&](std::size_t place) { return once[place].bytes == held.bytes; });
+    if (is_repeat) {
       ++repeated_[held.topic];
       continue;
     }
-    place->second = once.size();
+    places.push_back(once.size());
     once.push_back(std::move(held));
   }
   held_ = std::move(once);
@@ -102,13 +113,27 @@ void TopicReader::read() {
 polyfly::RecordingShare TopicReader::share() const {
   std::set<std::string> topics;
   for (const auto& [topic, handler] : handlers_) topics.insert(topic);
-  polyfly::RecordingShare share = polyfly::recordingShare(health_, topics);
+  polyfly::RecordingShare share = polyfly::recordingShare(healths_.front(), topics);
+  for (std::size_t piece = 1; piece < healths_.size(); ++piece) {
+    share = polyfly::together(share, polyfly::recordingShare(healths_[piece], topics),
+                              healths_[piece].first - healths_.front().first);
+  }
   for (const auto& [topic, count] : misfits_) share.messages.read -= static_cast<double>(count);
   return share;
 }
 
+std::vector<std::string> TopicReader::fileRemarks() const {
+  std::vector<std::string> remarks = healths_.front().remarks;
+  for (std::size_t piece = 1; piece < paths_.size(); ++piece) {
+    remarks.push_back("the recording was split and goes on in " + paths_[piece]);
+    for (const std::string& remark : healths_[piece].remarks)
+      remarks.push_back(paths_[piece] + ": " + remark);
+  }
+  return remarks;
+}
+
 std::vector<std::string> TopicReader::remarks() const {
-  std::vector<std::string> remarks = health_.remarks;
+  std::vector<std::string> remarks = fileRemarks();
   for (const auto& [topic, count] : misfits_) {
     remarks.push_back("topic " + topic + ": " + std::to_string(count) +
                       " messages are not what their definition says and were left out");
@@ -121,7 +146,7 @@ std::vector<std::string> TopicReader::remarks() const {
 
 std::string TopicReader::remarkText() const {
   std::string text;
-  for (const std::string& remark : health_.remarks) text += "; " + remark;
+  for (const std::string& remark : fileRemarks()) text += "; " + remark;
   return text;
 }
 

@@ -36,6 +36,8 @@ constexpr const char* kParametersFile = "/parameters_in_force.yaml";
 
 struct Arguments {
   std::vector<std::string> bags;
+  /// The bags of each flight.
+  std::vector<std::vector<std::string>> flights;
   std::vector<std::string> maps;
   std::string options;
   polyfly_ros::BagTopics topics;
@@ -51,7 +53,10 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--bag", arguments.bags, "Bags of recorded flights.")->required()->type_name("FILE");
+  app.add_option("--bag", arguments.bags,
+                 "Bags of recorded flights. Pieces of a recording that was split are one flight.")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--map", arguments.maps,
                  "Region maps of the three axes, in any order. The first map of an axis is the one that "
                  "flew; further ones are compared with it.")
@@ -146,7 +151,7 @@ std::string proposalFile(const std::string& folder, const polyfly::RegionMap& ma
 
 // The folder of one flight below that of all.
 std::string flightFolder(const Arguments& arguments, const std::string& folder, std::size_t number) {
-  return arguments.bags.size() == 1 ? folder : folder + "/flight_" + std::to_string(number);
+  return arguments.flights.size() == 1 ? folder : folder + "/flight_" + std::to_string(number);
 }
 
 // Before the work: whether all results can be written, and none over a file that is read.
@@ -161,15 +166,15 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
       outputs.push_back({folder + name, Output::Kind::kText, Output::Folder::kIsMade});
   };
   if (!arguments.report.empty()) {
-    for (std::size_t number = 1; number <= arguments.bags.size(); ++number) {
+    for (std::size_t number = 1; number <= arguments.flights.size(); ++number) {
       const std::string folder = flightFolder(arguments, arguments.report, number);
       addPage(folder);
       outputs.push_back({folder + kParametersFile, Output::Kind::kText, Output::Folder::kIsMade});
     }
-    if (arguments.bags.size() > 1) addPage(arguments.report);
+    if (arguments.flights.size() > 1) addPage(arguments.report);
   }
   if (!arguments.explore.empty()) {
-    for (std::size_t number = 1; number <= arguments.bags.size(); ++number) {
+    for (std::size_t number = 1; number <= arguments.flights.size(); ++number) {
       for (const std::string& name : polyfly::flightPageNames()) {
         outputs.push_back({flightFolder(arguments, arguments.explore, number) + "/" + name,
                            Output::Kind::kText, Output::Folder::kIsMade});
@@ -220,7 +225,8 @@ double previewPeriodOf(const polyfly::FlightLog& log, const std::string& options
 }
 
 // Reads, replays, judges; writes what belongs to this flight alone.
-polyfly::ValidationReport judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
+polyfly::ValidationReport judge(const std::vector<std::string>& bag, std::size_t number,
+                                const polyfly::MapChoice& maps,
                                 const std::optional<polyfly::MultirotorOptions>& given,
                                 const Arguments& arguments, polyfly_ros::ValidationTopics* topics) {
   polyfly_ros::BagProgress progress;
@@ -231,14 +237,14 @@ polyfly::ValidationReport judge(const std::string& bag, std::size_t number, cons
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const polyfly::MultirotorOptions options = given ? *given : optionsOf(log);
   const std::vector<polyfly::ReplaySample> samples =
-      polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options));
-  polyfly::ValidationReport report =
-      polyfly::validate(log, samples, maps.flown, options, robustOracle, arguments.thresholds);
+      polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options),
+                      arguments.thresholds.max_command_difference);
+  polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
     report.comparisons.push_back(
         polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
   }
-  if (arguments.bags.size() == 1) propose(maps, arguments, &report);
+  if (arguments.flights.size() == 1) propose(maps, arguments, &report);
   report.broken = polyfly::brokenThresholds(report, arguments.thresholds);
   if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
   if (topics != nullptr) topics->write(samples, maps.flown, report);
@@ -268,7 +274,8 @@ std::string summarise(const std::vector<polyfly::ValidationReport>& flights, con
   return polyfly::toJson(all, flights);
 }
 
-int run(const Arguments& arguments) {
+int run(Arguments& arguments) {
+  arguments.flights = polyfly_ros::recordingsOf(arguments.bags);
   std::vector<polyfly::RegionMap> maps;
   std::vector<const polyfly::RegionMap*> views;
   for (const std::string& path : arguments.maps) maps.push_back(polyfly::RegionMap::open(path));
@@ -282,7 +289,7 @@ int run(const Arguments& arguments) {
     topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
   }
   std::vector<polyfly::ValidationReport> flights;
-  for (const std::string& bag : arguments.bags) {
+  for (const std::vector<std::string>& bag : arguments.flights) {
     flights.push_back(judge(bag, flights.size() + 1, choice, options, arguments, topics.get()));
   }
   if (topics) topics->close();

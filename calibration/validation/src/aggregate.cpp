@@ -18,19 +18,6 @@ Difference joined(const Difference& one, std::size_t ones, const Difference& oth
   return result;
 }
 
-RecordingShare::Amount joined(const RecordingShare::Amount& one, const RecordingShare::Amount& other) {
-  RecordingShare::Amount result = {one.read + other.read, std::nullopt};
-  if (one.recorded && other.recorded) result.recorded = *one.recorded + *other.recorded;
-  return result;
-}
-
-std::optional<RecordingShare> joined(const std::optional<RecordingShare>& one,
-                                     const std::optional<RecordingShare>& other) {
-  if (!one || !other) return std::nullopt;
-  return RecordingShare{joined(one->messages, other->messages), joined(one->bytes, other->bytes),
-                        joined(one->seconds, other->seconds)};
-}
-
 template <class Part>
 void append(std::vector<Part>* all, const std::vector<Part>& more) {
   all->insert(all->end(), more.begin(), more.end());
@@ -93,7 +80,7 @@ void add(const MapComparison& other, MapComparison* comparison) {
 
 void add(const ValidationReport& other, ValidationReport* all) {
   all->tracking = joined(all->tracking, all->tracked_samples, other.tracking, other.tracked_samples);
-  all->share = joined(all->share, other.share);
+  all->share = all->share && other.share ? std::optional(together(*all->share, *other.share)) : std::nullopt;
   all->samples += other.samples;
   all->tracked_samples += other.tracked_samples;
   all->outside_map_samples += other.outside_map_samples;

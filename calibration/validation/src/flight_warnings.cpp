@@ -8,6 +8,7 @@
 
 #include "identification/identify_axis.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "online_controller/estimation/odometry_gate.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -20,8 +21,8 @@ namespace {
 constexpr double kFrameError = 0.5;
 // Greatest share of the position error that is left over in the frame that is meant.
 constexpr double kFrameShare = 0.5;
-// Longest time between two samples whose positions tell a velocity [s].
-constexpr double kLongestPeriod = 0.5;
+// Greatest share of samples that may contradict themselves without a warning.
+constexpr double kContradicting = 0.05;
 // Least root mean square difference of commands that is worth a sentence [rad].
 constexpr double kLeastAngle = 2e-3;
 // Least difference of commands that is worth a sentence, relative to the commands.
@@ -181,26 +182,14 @@ void warnOfFrames(const std::vector<ReplaySample>& samples, std::vector<std::str
       "where east-north-up is meant. Nothing else here can be relied on.");
 }
 
-// Velocities against the differences of positions: as they are, and as if the twist had been in the world's frame.
-void warnOfTwist(const FlightLog& log, std::vector<std::string>* warnings) {
-  double moved = 0.0, as_is = 0.0, turned = 0.0;
-  for (std::size_t i = 1; i < log.odometry.size(); ++i) {
-    const VehicleState& before = log.odometry[i - 1];
-    const VehicleState& state = log.odometry[i];
-    const double period = state.stamp - before.stamp;
-    if (!(period > 0.0 && period < kLongestPeriod)) continue;
-    const Eigen::Vector3d velocity = (state.position - before.position) / period;
-    const Eigen::Vector3d twist = state.attitude.inverse() * state.velocity;
-    if (!(velocity + state.velocity + twist).allFinite()) continue;
-    moved += velocity.squaredNorm();
-    as_is += (velocity - state.velocity).squaredNorm();
-    turned += (velocity - twist).squaredNorm();
-  }
-  const bool agree = !(std::sqrt(as_is) > kFrameShare * std::sqrt(moved));
-  if (agree || std::sqrt(turned) > kFrameShare * std::sqrt(as_is)) return;
-  warnings->push_back(
-      "The odometry's velocity does not lead from position to position, but in the world's frame it would: "
-      "its twist must be in the body's frame, in m/s. The controller flew by wrong velocities.");
+// As the node judges the odometry, and in its words.
+void warnOfTwist(const std::vector<ReplaySample>& samples, std::vector<std::string>* warnings) {
+  const auto contradicting = std::count_if(samples.begin(), samples.end(), [](const ReplaySample& sample) {
+    return sample.report.reason == ControlReason::kContradiction;
+  });
+  if (static_cast<double>(contradicting) <= kContradicting * static_cast<double>(samples.size())) return;
+  warnings->push_back("In " + std::to_string(contradicting) + " of " + std::to_string(samples.size()) +
+                      " samples " + kContradictionSentence + ".");
 }
 
 // Gain and mean lag (with the delay) of the way from a command to an angle.
@@ -283,7 +272,7 @@ std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<
   std::vector<std::string> warnings;
   warnOfClock(log, &warnings);
   warnOfFrames(samples, &warnings);
-  warnOfTwist(log, &warnings);
+  warnOfTwist(samples, &warnings);
   warnOfCommands(log, samples, options, &warnings);
   warnOfModels(log, maps, options.delay, &warnings);
   return warnings;

@@ -2,16 +2,20 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <set>
 
-#include "bags/recording_share.hpp"
 #include "identification/header_clock.hpp"
+#include "identification/loop_record.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {
 namespace {
 
 // Greatest share of a record that may be missing without a warning.
-constexpr double kMissing = 1.0 - RecordingShare::kWhole;
+constexpr double kMissing = 0.05;
+// Least pause of all topics that is told, where samples are not farther apart [s].
+constexpr double kLeastMissing = 0.2;
 // Longest time between a command and later odometry in which the controller counts as running [s].
 constexpr double kLongestPause = 1.0;
 
@@ -38,18 +42,59 @@ void warnOfUnmatched(const CommandValidation& commands, std::vector<std::string>
       "stamps of both are of different clocks.");
 }
 
+// Pauses in which no topic of the flight holds anything, in seconds after the first odometry.
+std::vector<TimeSpan> missingTimes(const FlightLog& log) {
+  std::set<double> stamps;
+  TimeSeries odometry;
+  for (const VehicleState& state : log.odometry) odometry.time.push_back(state.stamp);
+  stamps.insert(odometry.time.begin(), odometry.time.end());
+  for (const FlightLog::Command& command : log.commands) stamps.insert(command.stamp);
+  for (const FlightLog::Status& status : log.statuses) stamps.insert(status.stamp);
+  const double longest = std::max(kLeastMissing, kGapPeriods * typicalPeriod(odometry, kLongestPeriod));
+  std::vector<TimeSpan> missing;
+  for (auto before = stamps.begin(); before != stamps.end(); ++before) {
+    const auto next = std::next(before);
+    if (next == stamps.end() || !(*next - *before > longest) || isFarStep(*before, *next)) continue;
+    missing.push_back({*before - odometry.time.front(), *next - odometry.time.front()});
+  }
+  return missing;
+}
+
+void warnOfMissingTimes(const FlightLog& log, std::vector<std::string>* warnings) {
+  if (log.odometry.empty()) return;
+  const std::vector<TimeSpan> missing = missingTimes(log);
+  if (missing.empty()) return;
+  warnings->push_back("Nothing is recorded from " + describe(missing) +
+                      " after the first odometry: parts of the recording are lost, or nothing ran.");
+}
+
+const char* wordsOn(Ignorance cause) {
+  switch (cause) {
+    case Ignorance::kBegun:
+      return "The recording begins in flight: what the controller knew before is not in it.";
+    case Ignorance::kMissing:
+      return "A part of the recording is missing there.";
+    case Ignorance::kAltered:
+      return "The controller's status tells of another position or velocity than the recorded odometry: the "
+             "recording is altered there.";
+  }
+  return "";
+}
+
 void warnOfStretches(const FlightLog& log, const ValidationReport& report,
                      std::vector<std::string>* warnings) {
-  for (const IncomparableStretch& stretch : report.incomparable) {
-    const double start = log.odometry.front().stamp;
-    std::array<char, 320> text{};
-    std::snprintf(
-        text.data(), text.size(),
-        "At %.6g s the controller's status tells of another position or velocity than the recorded odometry: "
-        "the "
-        "recording is altered. %zu commands are not compared, until both agree again at %.6g s.",
-        stretch.from - start, stretch.samples, stretch.to - start);
-    warnings->push_back(text.data());
+  for (const Ignorance cause : {Ignorance::kBegun, Ignorance::kMissing, Ignorance::kAltered}) {
+    std::vector<TimeSpan> spans;
+    std::size_t samples = 0;
+    for (const IncomparableStretch& stretch : report.incomparable) {
+      if (stretch.cause != cause) continue;
+      const double start = log.odometry.front().stamp;
+      spans.push_back({stretch.from - start, stretch.to - start});
+      samples += stretch.samples;
+    }
+    if (spans.empty()) continue;
+    warnings->push_back(std::to_string(samples) + " commands are not compared, from " + describe(spans) +
+                        " after the first odometry, until they agree again. " + wordsOn(cause));
   }
 }
 
@@ -84,6 +129,7 @@ void warnOfSilence(const FlightLog& log, std::vector<std::string>* warnings) {
 std::vector<std::string> recordWarnings(const FlightLog& log, const ValidationReport& report) {
   std::vector<std::string> warnings;
   warnOfLoss(log, &warnings);
+  warnOfMissingTimes(log, &warnings);
   warnOfStamps(log, &warnings);
   warnOfUnmatched(report.commands, &warnings);
   warnOfStretches(log, report, &warnings);

@@ -10,6 +10,7 @@
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "polyfly_base/error.hpp"
+#include "record_follower.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -63,10 +64,10 @@ AxisMaps assignAxes(const std::vector<const RegionMap*>& maps) {
   return assigned;
 }
 
-std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& given,
-                                 double preview_period) {
-  MultirotorOptions options = given;
-  options.look_ahead = options.look_ahead && maps[0]->period() == preview_period;
+namespace {
+
+std::vector<ReplaySample> replayed(const FlightLog& log, const AxisMaps& maps,
+                                   const MultirotorOptions& options, RecordFollower* follower) {
   const std::set<double> answered = answeredStamps(log);
   LawSwitch law(std::make_unique<MultirotorController>(maps, options), options);
   std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
@@ -114,11 +115,27 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
           if (verdict.contradicts) sample.report = byPositions(sample.report);
         }
         samples.push_back(sample);
+        const AttitudeCommand* sent = follower->follow(&samples);
+        if (sent != nullptr && sample.report.status != ControlStatus::kNoReference) law.correct(*sent);
         break;
       }
     }
   }
   return samples;
+}
+
+}  // namespace
+
+std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& given,
+                                 double preview_period, double tolerance) {
+  MultirotorOptions options = given;
+  options.look_ahead = options.look_ahead && maps[0]->period() == preview_period;
+  RecordFollower follower(log, maps, options.mass, tolerance);
+  std::vector<ReplaySample> samples = replayed(log, maps, options, &follower);
+  if (!follower.isOfAnother()) return samples;
+  RecordFollower strict(log, maps, options.mass, tolerance);
+  strict.beginTogether();
+  return replayed(log, maps, options, &strict);
 }
 
 }  // namespace polyfly

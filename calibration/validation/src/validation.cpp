@@ -80,6 +80,23 @@ void validateTracking(const std::vector<ReplaySample>& samples, ValidationReport
   }
 }
 
+std::vector<IncomparableStretch> incomparableStretches(const std::vector<ReplaySample>& samples) {
+  std::vector<IncomparableStretch> stretches;
+  const ReplaySample* before = nullptr;
+  for (const ReplaySample& sample : samples) {
+    if (sample.ignorance && (before == nullptr || before->ignorance != sample.ignorance)) {
+      const bool is_hole = *sample.ignorance == Ignorance::kMissing && before != nullptr;
+      stretches.push_back({*sample.ignorance, (is_hole ? *before : sample).state.stamp, 0.0, 0});
+    }
+    if (sample.ignorance) {
+      stretches.back().to = sample.state.stamp;
+      ++stretches.back().samples;
+    }
+    before = &sample;
+  }
+  return stretches;
+}
+
 }  // namespace
 
 Verdict ValidationReport::verdict() const {
@@ -111,19 +128,22 @@ std::size_t ValidationReport::violationCount() const {
 bool ValidationReport::isWhole() const { return (!share || share->isWhole()) && incomparable.empty(); }
 
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker,
-                          const Thresholds& thresholds) {
+                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker) {
   ValidationReport report;
   report.source = log.source;
   report.share = log.share;
   report.samples = samples.size();
   report.duration = durationOf(stampsOf(samples));
-  const ComparableSamples comparable =
-      comparableSamples(log, samples, maps, options.mass, thresholds.max_command_difference);
-  report.incomparable = comparable.stretches;
-  const bool are_all = comparable.stretches.empty();
-  const std::vector<ReplaySample>& known = are_all ? samples : comparable.known;
-  const std::vector<ReplaySample>& compared = are_all ? samples : comparable.compared;
+  report.incomparable = incomparableStretches(samples);
+  // Copies only where something is left out.
+  const bool are_all = report.incomparable.empty();
+  std::vector<ReplaySample> some_known, some_compared;
+  for (const ReplaySample& sample : samples) {
+    if (!are_all && sample.is_known) some_known.push_back(sample);
+    if (!are_all && !sample.ignorance) some_compared.push_back(sample);
+  }
+  const std::vector<ReplaySample>& known = are_all ? samples : some_known;
+  const std::vector<ReplaySample>& compared = are_all ? samples : some_compared;
   validateTracking(known, &report);
   if (samples.size() > 1) {
     report.outside_map_time = report.duration * static_cast<double>(report.outside_map_samples) /

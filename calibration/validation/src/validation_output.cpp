@@ -165,10 +165,13 @@ Json json(const RecordingShare::Amount& amount) {
 }
 
 Json json(const RecordingShare& share, bool is_whole) {
+  Json lost = Json::array();
+  for (const TimeSpan& span : share.lost) lost.push_back({span.from, span.to});
   return {{"messages", json(share.messages)},
           {"bytes", json(share.bytes)},
           {"seconds", json(share.seconds)},
-          {"whole", is_whole}};
+          {"whole", is_whole},
+          {"lost", std::move(lost)}};
 }
 
 Json json(const ParametersTold& parameters) {
@@ -215,6 +218,13 @@ Json json(const ValidationReport& report) {
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
   out["recording"] = report.share ? json(*report.share, report.isWhole()) : Json();
+  out["incomparable"] = Json::array();
+  for (const IncomparableStretch& stretch : report.incomparable) {
+    out["incomparable"].push_back({{"cause", kIgnoranceNames[static_cast<std::size_t>(stretch.cause)]},
+                                   {"from_s", stretch.from},
+                                   {"to_s", stretch.to},
+                                   {"samples", stretch.samples}});
+  }
   out["parameters"] = report.parameters ? json(*report.parameters) : Json();
   out["broken"] = report.broken;
   out["warnings"] = report.warnings;

@@ -10,21 +10,6 @@ namespace polyfly {
 
 // The parts of a validation.
 
-/// The samples of a replay, by what the record tells of them. Without a stretch all are compared, and both lists are
-/// empty.
-struct ComparableSamples {
-  /// Their commands are compared.
-  std::vector<ReplaySample> compared;
-  /// Those, and others that the controller answered with the recorded position and velocity.
-  std::vector<ReplaySample> known;
-  std::vector<IncomparableStretch> stretches;
-};
-
-/// A stretch begins where the node's status tells of other odometry than was recorded, and ends where the commands agree again.
-/// `mass` [kg] scales thrust; commands agree up to `tolerance` [rad, rad/s, m/s^2].
-ComparableSamples comparableSamples(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                                    const AxisMaps& maps, double mass, double tolerance);
-
 /// One axis' map against the samples: its use, excursions, agreement with the online solver, look-up times.
 AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
                             const RegionMap& map, std::size_t index, const OracleMaker& maker);

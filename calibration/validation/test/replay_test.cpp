@@ -99,6 +99,39 @@ TEST_F(Replay, leavesOutWhatTheNodeNeverSaw) {
   EXPECT_EQ(validate(recorder.log(), samples, maps_.axes(), options_).commands.unanswered, 1u);
 }
 
+// A sample is altered, or lost with its answer; or the record begins in flight. Of a law that estimates nothing.
+TEST_F(Replay, comparesAgainWhereTheCommandsAgree) {
+  options_.offset_free = false;
+  FlightRecorder recorder(maps_.axes(), options_);
+  recorder.hold(SyntheticFlight::home());
+  flySome(recorder, 0, 3000);
+  const FlightLog whole = recorder.log();
+  for (const Ignorance why : {Ignorance::kAltered, Ignorance::kMissing, Ignorance::kBegun}) {
+    FlightLog log;
+    log.add(whole.references[0].trajectory, std::nullopt);
+    const std::size_t first = why == Ignorance::kBegun ? 100 : 0;
+    for (std::size_t sample = first; sample < whole.odometry.size(); ++sample) {
+      if (why == Ignorance::kMissing && sample == 100) continue;
+      log.add(whole.odometry[sample]);
+      if (why == Ignorance::kAltered && sample == 100) log.odometry.back().position.x() += 0.03;
+      log.commands.push_back(whole.commands[sample]);
+      log.statuses.push_back(whole.statuses[sample]);
+    }
+    const auto count = [&](const FlightLog& flown) {
+      const auto samples = replay(flown, maps_.axes(), options_);
+      EXPECT_EQ(samples[why == Ignorance::kBegun ? 0 : 100].ignorance, why);
+      return validate(flown, samples, maps_.axes(), options_);
+    };
+    const ValidationReport report = count(log);
+    EXPECT_EQ(report.incomparable.size(), 1u);
+    EXPECT_GT(report.commands.compared, 2800u);
+    EXPECT_EQ(report.commands.compared + report.incomparable[0].samples, log.commands.size());
+    EXPECT_TRUE(brokenThresholds(report, {}).empty());
+    log.commands[2800].command.roll += 2e-6;
+    EXPECT_EQ(brokenThresholds(count(log), {}).size(), 1u);
+  }
+}
+
 TEST_F(Replay, usesAllOdometryWhereNoCommandBearsItsStamp) {
   FlightLog log = syntheticFlight(maps_.axes());
   for (FlightLog::Command& command : log.commands) command.stamp = 0.0;

@@ -225,9 +225,10 @@ void FlightRecorder::beSilent(double stamp) {
 
 void FlightRecorder::record(double stamp) {
   const ControlReport& report = node_->law.report();
-  log_.commands.push_back({stamp, report.command});
   FlightLog::Status status;
   status.stamp = stamp;
+  status.sequence = static_cast<std::uint32_t>(log_.commands.size());
+  log_.commands.push_back({stamp, report.command});
   status.status = report.status;
   status.reason = report.reason;
   status.step_time = 1e-6;

@@ -167,6 +167,55 @@ TEST_F(Validation, doesNotJudgeByOdometryThatWasAltered) {
   }
 }
 
+// Both topics lack a second, or the odometry alone, and the replay does not know how the flight went on.
+TEST_F(Validation, doesNotCompareBehindAHole) {
+  const FlightLog whole = syntheticFlight(maps_.axes());
+  for (const bool told : {true, false}) {
+    for (const bool all : {true, false}) {
+      FlightLog log;
+      log.add(whole.references[0].trajectory, std::nullopt);
+      for (std::size_t sample = 0; sample < SyntheticFlight::kSamples; ++sample) {
+        const bool lost = sample >= 200 && sample < 300;
+        if (!lost) log.add(whole.odometry[sample]);
+        if (lost && all) continue;
+        log.commands.push_back(whole.commands[sample]);
+        if (told) log.statuses.push_back(whole.statuses[sample]);
+      }
+      const ValidationReport report = validated(log);
+      EXPECT_TRUE(brokenThresholds(report, {}).empty());
+      EXPECT_EQ(report.verdict(), Verdict::kDoubtful);
+      ASSERT_EQ(report.incomparable.size(), 1u);
+      EXPECT_EQ(report.incomparable[0].from, whole.odometry[199].stamp);
+      EXPECT_GE(report.commands.compared, 200u);
+      EXPECT_EQ(report.commands.unmatched, all ? 0u : 100u);
+      const std::string text = toText(report);
+      EXPECT_EQ(text.find("Nothing is recorded from 1.99 to 3 s") != std::string::npos, all) << text;
+      EXPECT_NE(text.find("are not compared, from 1.99 to "), std::string::npos) << text;
+      // What was wrong before the hole stays wrong.
+      log.commands[100].command.roll += 0.01;
+      EXPECT_EQ(brokenThresholds(validated(log), {}).size(), 1u);
+    }
+  }
+}
+
+TEST_F(Validation, doesNotCompareWhereTheRecordingBeginsInFlight) {
+  const FlightLog whole = syntheticFlight(maps_.axes());
+  FlightLog log;
+  log.add(whole.references[0].trajectory, std::nullopt);
+  for (std::size_t sample = 300; sample < SyntheticFlight::kSamples; ++sample) {
+    log.add(whole.odometry[sample]);
+    log.commands.push_back(whole.commands[sample]);
+    log.statuses.push_back(whole.statuses[sample]);
+  }
+  const ValidationReport report = validated(log);
+  EXPECT_EQ(report.verdict(), Verdict::kDoubtful);
+  EXPECT_TRUE(brokenThresholds(report, {}).empty());
+  EXPECT_NE(toText(report).find("The recording begins in flight"), std::string::npos);
+  // The same of a controller that had sent nothing before is a flight of another one.
+  for (FlightLog::Status& status : log.statuses) status.sequence = 0;
+  EXPECT_FALSE(brokenThresholds(validated(log), {}).empty());
+}
+
 TEST_F(Validation, countsCommandsOutOfBounds) {
   FlightLog log = syntheticFlight(maps_.axes());
   log.commands[1].command.roll = options_.angle_max + 1e-6;

@@ -141,12 +141,11 @@ TEST_F(Warnings, TellWhichClockJumped) {
 
 TEST_F(Warnings, TellALossOfTheRecording) {
   FlightLog log = syntheticFlight(maps_.axes());
-  log.share = RecordingShare{{960.0, 1000.0}, {95.0, 100.0}, {10.0, 10.0}};
+  log.share = RecordingShare{{1000.0, 1000.0}, {100.0, 100.0}, {10.0, 10.0}};
   EXPECT_EQ(validated(log).verdict(), Verdict::kPassed);
-  log.share->bytes.read = 94.0;
+  log.share->messages.read = 999.0;
   EXPECT_TRUE(has(validated(log), "Parts of the recording are lost"));
   EXPECT_EQ(validated(log).verdict(), Verdict::kDoubtful);
-  log.share->bytes = {100.0, 100.0};
   log.share->messages.recorded.reset();
   EXPECT_TRUE(has(validated(log), "The end of the recording is missing"));
 }

@@ -41,6 +41,12 @@ struct TopicCount {
   std::uint64_t recorded = 0;
 };
 
+/// An interval of time, ends included [s].
+struct TimeSpan {
+  double from = 0.0;
+  double to = 0.0;
+};
+
 /// What the file was like.
 struct BagHealth {
   /// Messages in chunks that could be read, wanted or not.
@@ -71,6 +77,8 @@ struct BagHealth {
   double first = 0.0;
   /// Greatest time of a message [s].
   double last = 0.0;
+  /// The chunks that were not read, as far as the bag's end tells of them.
+  std::vector<TimeSpan> lost;
   /// Every irregularity of the file, as a clause without its name.
   std::vector<std::string> remarks;
 };

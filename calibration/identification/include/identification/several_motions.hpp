@@ -6,6 +6,12 @@
 
 namespace polyfly {
 
+/// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
+TimeWindow spanOf(const FlightSignals& flight);
+
+/// Goes on with the next piece of a recording. Its units must have been settled as those of the piece before.
+void append(FlightSignals piece, FlightSignals* recording);
+
 /// Several flights on one clock: the first begins at 0 s, the others follow with pauses. Holds the signals
 /// and the places that all of them have, and the stretches of each that are no flight. Throws Error if the thrust commands are of different units. At least one flight.
 struct JoinedFlights {

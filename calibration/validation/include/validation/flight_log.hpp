@@ -46,6 +46,8 @@ struct FlightLog {
   struct Status {
     /// Stamp of the odometry [s].
     double stamp = 0.0;
+    /// Number of commands that were sent before this step.
+    std::uint32_t sequence = 0;
     ControlStatus status = ControlStatus::kNoReference;
     ControlReason reason = ControlReason::kNoReference;
     /// Region that each axis used; -1: none.

@@ -85,8 +85,9 @@ struct CommandValidation {
   std::size_t not_finite = 0;
 };
 
-/// A stretch in which the replay does not know what the controller knew: its commands are not compared.
+/// A stretch whose commands are not compared. It ends where the commands agree again, or with the record.
 struct IncomparableStretch {
+  Ignorance cause = Ignorance::kMissing;
   double from = 0.0;  ///< stamp of the first sample [s]
   double to = 0.0;    ///< stamp of the last sample [s]
   std::size_t samples = 0;
@@ -172,27 +173,25 @@ struct ValidationReport {
   std::size_t violationCount() const;
 };
 
-/// Limits on a report.
-struct Thresholds {
-  /// Least coverage, a share 0..1.
-  double min_coverage = 0.99;
-  double max_qp_difference = 1e-6;       ///< [unit of the axis' input]
-  double max_command_difference = 1e-6;  ///< [rad, rad/s or m/s^2]
-  /// Greatest number of recorded commands beyond their bounds.
-  std::size_t max_violations = 0;
-};
-
 /// Judges a replay; `maker` where maps are of a minimum-peak robust MPC. Throws Error naming the map when its
 /// problem cannot be read, or when it needs a maker and there is none.
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
                           const AxisMaps& maps, const MultirotorOptions& options,
-                          const OracleMaker& maker = {}, const Thresholds& thresholds = {});
+                          const OracleMaker& maker = {});
 
 /// Several flights with the same maps as one report: counts and windows together, greatest differences, root
 /// mean squares over all samples, no offset at rest. `flights` must not be empty. Of one flight, itself.
 ValidationReport together(const std::vector<ValidationReport>& flights);
 
-/// What is broken, as sentences.
+/// Limits on a report; what is broken comes back as sentences, nothing when all is well.
+struct Thresholds {
+  /// Least coverage, a share 0..1.
+  double min_coverage = 0.99;
+  double max_qp_difference = 1e-6;                    ///< [unit of the axis' input]
+  double max_command_difference = kCommandTolerance;  ///< [rad, rad/s or m/s^2]
+  /// Greatest number of recorded commands beyond their bounds.
+  std::size_t max_violations = 0;
+};
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
 
 /// "passed", "doubtful" or "failed".

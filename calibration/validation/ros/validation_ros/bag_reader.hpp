@@ -31,7 +31,16 @@ using BagQuestion = std::function<std::optional<std::size_t>(const std::string& 
 /// Throws polyfly::Error naming file, topic and rule when the file is missing, empty or no bag. Also when a topic is
 /// missing or of another type, or when a message breaks the rules of online_controller_ros/conversions.hpp. `ask` may
 /// say which topic of the right type is meant where odometry, commands or references are not found by their names.
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress = {},
-                           const BagQuestion& ask = {});
+/// A recording that was split is read from its pieces, in order.
+polyfly::FlightLog readBag(const std::vector<std::string>& pieces, const BagTopics& topics,
+                           const BagProgress& progress = {}, const BagQuestion& ask = {});
+
+inline polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics,
+                                  const BagProgress& progress = {}, const BagQuestion& ask = {}) {
+  return readBag(std::vector<std::string>{path}, topics, progress, ask);
+}
+
+/// The bags by recording, in the order of their first pieces. Throws Error as readBag does.
+std::vector<std::vector<std::string>> recordingsOf(const std::vector<std::string>& bags);
 
 }  // namespace polyfly_ros

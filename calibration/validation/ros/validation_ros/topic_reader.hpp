@@ -29,13 +29,14 @@ std::string typeOf() {
   return ros::message_traits::DataType<Message>::value();
 }
 
-/// The messages of a bag by topic and type, in the order in which the recorder received them. All of them are held until
+/// The messages of a recording by topic and type, in the order in which the recorder received them. All of them are held until
 /// they are read, since a vehicle's namespace is not known before the bag's end.
 class TopicReader {
  public:
-  explicit TopicReader(std::string path) : path_(std::move(path)) {}
+  /// The pieces of one recording, in order; at least one.
+  explicit TopicReader(std::vector<std::string> paths) : paths_(std::move(paths)), path_(paths_.front()) {}
 
-  /// Reads the file and holds the messages of all topics whose names end with one of `names`. A further scan forgets those
+  /// Reads the files and holds the messages of all topics whose names end with one of `names`. A further scan forgets those
   /// of the one before. Throws Error.
   void scan(const std::vector<std::string>& names, const BagProgress& progress);
 
@@ -113,18 +114,22 @@ class TopicReader {
     std::vector<std::uint8_t> bytes;
   };
 
+  std::vector<std::string> fileRemarks() const;
   void leaveRepeatsOut();
   void checkType(const std::string& topic, const std::string& type, const std::string& md5sum) const;
 
+  std::vector<std::string> paths_;
+  // The first one, for messages.
   std::string path_;
-  polyfly::BagHealth health_;
+  // Of each file.
+  std::vector<polyfly::BagHealth> healths_;
   std::map<std::string, std::string> types_;
   // Checksums by topic.
   std::map<std::string, std::set<std::string>> definitions_;
   std::vector<HeldMessage> held_;
   // Number of misfits by topic.
   std::map<std::string, std::size_t> misfits_;
-  // Number of messages that repeat the one before, by topic.
+  // Number of messages that are recorded again, by topic.
   std::map<std::string, std::size_t> repeated_;
   std::map<std::string, std::function<void(const HeldMessage&)>> handlers_;
 };

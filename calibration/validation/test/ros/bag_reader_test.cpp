@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <online_controller/ControllerStatus.h>
+#include <rosbag/view.h>
 #include <std_msgs/String.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
@@ -100,15 +101,63 @@ TEST_F(BagReader, givesBackWhatWasWrittenWithEachCompression) {
 }
 
 TEST_F(BagReader, countsMessagesThatAreRecordedTwiceOnce) {
-  rosbag::Bag bag(path(), rosbag::bagmode::Write);
-  for (int time = 0; time < 2; ++time) writeFlight(log_, {}, &bag);
-  bag.close();
+  for (const double later : {0.0, 0.034}) {
+    rosbag::Bag bag(path(), rosbag::bagmode::Write);
+    FlightBagOptions options;
+    for (const double late : {0.0, later}) {
+      options.late = {{0.0, late}};
+      writeFlight(log_, options, &bag);
+    }
+    bag.close();
+    const FlightLog read = readBag(path(), {});
+    expectExactReplay(read, 200);
+    const auto told = [](const std::string& remark) {
+      return remark.find("odometry: 200 messages are recorded again; each counts once") != std::string::npos;
+    };
+    EXPECT_TRUE(std::any_of(read.remarks.begin(), read.remarks.end(), told));
+  }
+}
+
+// The reference of the begin is not recorded, that of later is.
+TEST_F(BagReader, doesNotMoveAReferenceToTheBeginOfARecordingInFlight) {
+  FlightLog part;
+  for (std::size_t sample = 50; sample < 200; ++sample) {
+    if (sample == 120) part.add(log_.references[0].trajectory, std::nullopt);
+    part.add(log_.odometry[sample]);
+    part.commands.push_back(log_.commands[sample]);
+    part.statuses.push_back(log_.statuses[sample]);
+  }
+  writeFlightBag(part, path());
   const FlightLog read = readBag(path(), {});
+  ASSERT_EQ(read.events.size(), 151u);
+  // It bears the time of the odometry before it, and comes first.
+  EXPECT_EQ(read.events[69].kind, FlightLog::EventKind::kReference);
+  const auto samples = polyfly::replay(read, maps_.axes(), options_);
+  const polyfly::ValidationReport report = polyfly::validate(read, samples, maps_.axes(), options_);
+  EXPECT_EQ(report.verdict(), polyfly::Verdict::kDoubtful);
+  EXPECT_TRUE(polyfly::brokenThresholds(report, {}).empty());
+  EXPECT_EQ(report.tracked_samples, 81u);
+}
+
+// The second half has no reference: it goes on with that of the first.
+TEST_F(BagReader, readsThePiecesOfASplitRecordingAsOneFlight) {
+  rosbag::Bag whole(path(), rosbag::bagmode::Write);
+  writeFlight(log_, {}, &whole);
+  whole.close();
+  whole.open(path());
+  const std::string second = folder_ / "a_second.bag";
+  {
+    rosbag::Bag one(folder_ / "first.bag", rosbag::bagmode::Write), other(second, rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& message : rosbag::View(whole))
+      (message.getTime().toSec() < 101.0 ? one : other).write(message.getTopic(), message.getTime(), message);
+  }
+  const auto recordings = recordingsOf({second, folder_ / "first.bag"});
+  ASSERT_EQ(recordings.size(), 1u);
+  EXPECT_EQ(recordings[0].back(), second);
+  const FlightLog read = readBag(recordings[0], {});
   expectExactReplay(read, 200);
-  const auto told = [](const std::string& remark) {
-    return remark.find("odometry: 200 messages are recorded again; each counts once") != std::string::npos;
-  };
-  EXPECT_TRUE(std::any_of(read.remarks.begin(), read.remarks.end(), told));
+  EXPECT_TRUE(read.share && read.share->isWhole());
+  EXPECT_EQ(read.remarks, std::vector<std::string>{"the recording was split and goes on in " + second});
 }
 
 // Early in the flight the recorder falls behind by 1.4 s in steps, and catches up.

@@ -59,6 +59,7 @@ mav_msgs::RollPitchYawrateThrust commandOf(const FlightLog::Command& command) {
 online_controller::ControllerStatus statusOf(const FlightLog::Status& status) {
   online_controller::ControllerStatus message;
   message.header.stamp = ros::Time(status.stamp);
+  message.sequence = status.sequence;
   message.status = static_cast<std::uint8_t>(status.status);
   message.reason = static_cast<std::uint8_t>(status.reason);
   message.step_time_ns = static_cast<std::int64_t>(1e9 * status.step_time);

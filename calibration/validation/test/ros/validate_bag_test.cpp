@@ -187,6 +187,51 @@ TEST_F(ValidateBag, isNotGreenWhereTheRecordingIsNotWhole) {
   }
 }
 
+// Chunks of a few messages, of which one is lost, or the messages of a while are, and the file knows nothing of them.
+TEST_F(ValidateBag, isDoubtfulWhereAPartIsMissing) {
+  FlightBagOptions options;
+  options.chunk_threshold = 4000;
+  writeFlightBag(log_, folder_ / "flight.bag", options);
+  const std::string good = contents(folder_ / "flight.bag");
+  const std::string mark = "op=\x05";
+  std::vector<std::size_t> chunks;
+  for (std::size_t at = good.find(mark); at != std::string::npos; at = good.find(mark, at + 1))
+    chunks.push_back(at);
+  ASSERT_GT(chunks.size(), 20u);
+  for (const std::size_t chunk : {std::size_t{1}, std::size_t{11}, chunks.size() - 1}) {
+    std::string bad = good;
+    for (std::size_t k = chunks[chunk] - 10; k < chunks[chunk] - 6; ++k) bad[k] ^= 0x2a;
+    std::ofstream(folder_ / "flight.bag", std::ios::binary) << bad;
+    EXPECT_EQ(runWith({"--json", folder_ / "numbers.json"}), kPassed) << output_;
+    EXPECT_NE(output_.find("Doubtful: "), std::string::npos) << output_;
+    EXPECT_NE(output_.find(" Lost: "), std::string::npos) << output_;
+    EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "numbers.json"))["recording"]["lost"].size(), 1u);
+  }
+  rosbag::Bag whole;
+  std::ofstream(folder_ / "flight.bag", std::ios::binary) << good;
+  whole.open(folder_ / "flight.bag");
+  const double start = log_.odometry.front().stamp;
+  for (const bool begins_late : {false, true}) {
+    rosbag::Bag part(folder_ / "part.bag", rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& message : rosbag::View(whole)) {
+      const double time = message.getTime().toSec() - start;
+      const bool is_reference = message.getTopic().find("pose") != std::string::npos;
+      const bool is_lost = begins_late ? time < 1.0 : time > 1.0 && time < 1.5;
+      const bool is_status = message.getTopic().find("status") != std::string::npos;
+      if (is_reference || !(is_lost || (begins_late && is_status)))
+        part.write(message.getTopic(),
+                   is_reference && begins_late ? ros::Time(start + 1.0) : message.getTime(), message);
+    }
+    part.close();
+    const int exit_code =
+        run({"--bag", folder_ / "part.bag", "--map", maps_.path(0), maps_.path(1), maps_.path(2)});
+    EXPECT_EQ(output_.find("Passed"), std::string::npos) << output_;
+    if (begins_late) continue;  // without the status nothing tells that it begins in flight
+    EXPECT_EQ(exit_code, kPassed) << output_;
+    EXPECT_NE(output_.find("Nothing is recorded from 1 to 1.5 s"), std::string::npos) << output_;
+  }
+}
+
 TEST_F(ValidateBag, tellsWhichClockJumped) {
   polyfly::FlightLog log = log_;
   const double middle = log.odometry[log.odometry.size() / 2].stamp;

@@ -129,4 +129,9 @@ class OdometryGate {
 /// The report on a step by a replaced velocity or attitude: not optimal, kContradiction.
 ControlReport byPositions(ControlReport report) noexcept;
 
+/// What Verdict::contradicts says of the odometry, without a stop.
+constexpr const char* kContradictionSentence =
+    "the odometry's velocity does not lead from position to position, or its body rates not to its attitude: "
+    "its twist must be in the body's frame, in m/s and rad/s";
+
 }  // namespace polyfly

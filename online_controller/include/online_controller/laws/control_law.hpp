@@ -74,6 +74,12 @@ class ControlLaw {
   /// that the next step() goes on from there.
   virtual void track(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
 
+  /// After step(): `sent` went out in place of the answer to `state`, and is the last command now.
+  virtual void correct(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+    static_cast<void>(state);
+    report_.command = sent;
+  }
+
   virtual void forget(LawMemory what) noexcept = 0;
 
   /// What the observer begins with: a disturbance that is known from elsewhere [m/s^2].

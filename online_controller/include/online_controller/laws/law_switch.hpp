@@ -80,6 +80,9 @@ class LawSwitch {
   /// In place of step() while something else flies, see ControlLaw::track.
   void track(const VehicleState& state, const AttitudeCommand& sent) noexcept;
 
+  /// After step(), see ControlLaw::correct.
+  void correct(const AttitudeCommand& sent) noexcept;
+
   /// Goes on where `from` is, see ControlLaw::transferState.
   void transferState(const LawSwitch& from) noexcept;
 

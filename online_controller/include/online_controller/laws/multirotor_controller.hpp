@@ -48,6 +48,7 @@ class MultirotorController : public ControlLaw {
   /// The same with the reference of each stage, where the law looks ahead (previewLength() above 1).
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void correct(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void forget(LawMemory what) noexcept override;
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void transferState(const ControlLaw& from) noexcept override;

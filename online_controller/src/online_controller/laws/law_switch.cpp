@@ -129,6 +129,12 @@ void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
   }
 }
 
+void LawSwitch::correct(const AttitudeCommand& sent) noexcept {
+  predictor_.sent(report().stamp, sent);
+  sent_ = sent;
+  current().correct(last_state_, sent);
+}
+
 void LawSwitch::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   syncInactive();
   const VehicleState ahead = predictor_.ahead(state);

@@ -194,6 +194,12 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
   observe(state, measured);
   clock_.reset();
   feed_forward_ = {};
+  correct(state, sent);
+  followed_ = {};
+}
+
+void MultirotorController::correct(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  const Measured measured = measure(state);
   // Eq. 41 and 40 backwards.
   const double thrust = sent.thrust / options_.mass;
   const TiltAngles world = bodyToWorldTilt(forceAngles(sent, measured.tilt), measured.yaw);
@@ -202,7 +208,6 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
-  followed_ = {};
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
