@@ -247,7 +247,8 @@ int StrictQp::mostViolated(double reach) {
 // contradicts the tight ones: no z meets all.
 bool StrictQp::meet(int index) {
   const Vector added = row(index);
-  const double squared = squared_[static_cast<std::size_t>(index)];
+  const DoubleDouble whole = dot(added, added);
+  const double squared = whole.high;
   DoubleDouble own;                     // its multiplier
   if (isEquality(index)) return false;  // it depends on the other ones
   for (;;) {
@@ -255,9 +256,9 @@ bool StrictQp::meet(int index) {
     Vector products;
     for (const int other : tight_) products.push_back(dot(added, rows_[static_cast<std::size_t>(other)]));
     const Vector shares = solveTight(products);  // multipliers fall by these
-    const DoubleDouble curvature = DoubleDouble(squared) - dot(products, shares);
+    const DoubleDouble curvature = whole - dot(products, shares);
     DoubleDouble excess =
-        -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * dot(added, added);
+        -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * whole;
     for (std::size_t i = 0; i < tight_.size(); ++i) excess -= multipliers_[i] * products[i];
     const bool depends = !(curvature.high > tolerance::kRankOfSquares * squared);
     DoubleDouble step = depends ? DoubleDouble(std::numeric_limits<double>::infinity()) : excess / curvature;
@@ -296,6 +297,12 @@ Eigen::VectorXd StrictQp::output(const Eigen::VectorXd& theta) const {
 StrictAnswer StrictQp::solve(const Eigen::VectorXd& theta, const std::vector<int>& guess,
                              const Eigen::VectorXd& precision) {
   StrictAnswer answer;
+  for (Eigen::Index i = 0; i < program_->A_theta.rows(); ++i) {
+    if (affine(-program_->b_theta[i], program_->A_theta.row(i), theta).high > 0.0) {
+      answer.verdict = StrictAnswer::Verdict::kInfeasible;
+      return answer;
+    }
+  }
   double reach = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < precision.size(); ++k) {
     if (output_length_[k] > 0.0) reach = std::min(reach, precision[k] / output_length_[k]);
