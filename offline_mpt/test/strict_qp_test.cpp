@@ -23,8 +23,7 @@ using Verdict = StrictAnswer::Verdict;
 /// min 1/2 z'Hz + g'z, A z <= b, all of z for output. Its parameter has no effect.
 ParametricProgram programOf(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::MatrixXd& A,
                             const Eigen::VectorXd& b, std::vector<int> equalities = {}) {
-  ParametricProgram program =
-      madeProgram(1, {static_cast<int>(H.rows()), static_cast<int>(A.rows()), 1});
+  ParametricProgram program = madeProgram(1, {static_cast<int>(H.rows()), static_cast<int>(A.rows()), 1});
   program.H = H;
   program.f = g;
   program.F.setZero();
@@ -119,12 +118,33 @@ TEST(StrictQp, AgreesWithGlpkOnLinearCosts) {
     const LpAnswer lp = solveByGlpk(g, A, b, {});
     if (lp.status != GLP_OPT) continue;
     ++optimal;
-    const StrictAnswer answer =
-        solved(programOf(Eigen::MatrixXd::Zero(n, n), g, A, b), Convexity::kShortest);
+    const StrictAnswer answer = solved(programOf(Eigen::MatrixXd::Zero(n, n), g, A, b), Convexity::kShortest);
     ASSERT_EQ(answer.verdict, Verdict::kOptimal) << "trial " << trial;
     EXPECT_NEAR(g.dot(answer.u), lp.objective, 1e-7 * (1.0 + std::abs(lp.objective))) << "trial " << trial;
   }
   EXPECT_GT(optimal, 100);
+}
+
+// What is asked of u is then less than rounding, or nothing.
+TEST(StrictQp, EndsWhereOutputsHaveNoSize) {
+  Random random(5);
+  for (int trial = 0; trial < 50; ++trial) {
+    const int n = 2 + random.below(6), m = 2 * n;
+    ParametricProgram program = programOf(definite(random, n), 9.0 * random.matrix(n, 1), random.matrix(m, n),
+                                          random.matrix(m, 1).cwiseAbs());
+    ParametricProgram contradictory = program;
+    contradictory.A.row(1) = -program.A.row(0);
+    contradictory.b[0] = -1.0;  // and -b[1] is greater
+    for (const double size : {1.0, 0.0}) {
+      program.E *= size;
+      contradictory.E *= size;
+      const auto verdict = [](const ParametricProgram& of) {
+        return StrictQp(of, Convexity::kAsGiven).solve(Eigen::VectorXd::Zero(1), 1e-35).verdict;
+      };
+      EXPECT_EQ(verdict(program), Verdict::kOptimal) << "trial " << trial;
+      EXPECT_EQ(verdict(contradictory), Verdict::kInfeasible) << "trial " << trial;
+    }
+  }
 }
 
 TEST(StrictQp, SaysThatOppositeRowsContradictEachOther) {

@@ -384,13 +384,12 @@ std::string testName(const testing::TestParamInfo<const char*>& info) { return i
 
 INSTANTIATE_TEST_SUITE_P(All, VerifyReference,
                          testing::Values("bemporad2002", "deg_di_N5_dup", "deg_di_N5_xf0_ineq",
-                                         "deg_facet_to_facet", "deg_licq_ahmadi",
-                                         "deg_scs_lowdim", "di_N15", "di_N5_xf0_eq", "invpend_N5_x",
-                                         "invpend_track_Np50_Nc5", "mass_spring4_N10", "mass_spring6_N5",
-                                         "mplp_di_inf_N3", "mplp_di_inf_N5", "mplp_dual_deg",
-                                         "mplp_multirotor_inf_N3", "mplp_primal_deg", "multirotor_N10_soft",
-                                         "multirotor_N20", "rnd_n10_m20_t4", "rnd_n5_m40_t3",
-                                         "rnd_n6_m20_t3"),
+                                         "deg_facet_to_facet", "deg_licq_ahmadi", "deg_scs_lowdim", "di_N15",
+                                         "di_N5_xf0_eq", "invpend_N5_x", "invpend_track_Np50_Nc5",
+                                         "mass_spring4_N10", "mass_spring6_N5", "mplp_di_inf_N3",
+                                         "mplp_di_inf_N5", "mplp_dual_deg", "mplp_multirotor_inf_N3",
+                                         "mplp_primal_deg", "multirotor_N10_soft", "multirotor_N20",
+                                         "rnd_n10_m20_t4", "rnd_n5_m40_t3", "rnd_n6_m20_t3"),
                          testName);
 
 TEST_F(Verify, FindsThatEachLawIsOff) {

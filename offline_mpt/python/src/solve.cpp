@@ -78,7 +78,9 @@ std::unique_ptr<LoadedMap> solveProgram(const ParametricProgram& program, const 
     AnswerCheckOptions check;
     check.threads = explore_options.threads;
     check.stop = &watch.stop();
-    check.progress = [&](auto done, auto total) { watch.look("check: " + shareText(done, total, "samples")); };
+    check.progress = [&](auto done, auto total) {
+      watch.look("check: " + shareText(done, total, "samples"));
+    };
     requireRight(program.name, checkAnswers(solved.view(program.name), program, check));
     return solved;
   });

@@ -70,25 +70,17 @@ void AnswerChecker::checkAnswer(const Eigen::VectorXd& theta, SampleFinding& fin
 }
 
 void AnswerChecker::decideInfeasible(const Eigen::VectorXd& theta, SampleFinding& finding) {
-  finding.kind = Kind::kEdge;
-  if (isAtEdge(theta)) return;
-  finding.error = ExactSample(program_, theta).distanceToFeasible();
-  if (finding.error > rules_.edge) finding.kind = Kind::kFalseInside;
+  finding.kind = isAtEdge(theta) ? Kind::kEdge : Kind::kFalseInside;
+  if (finding.kind == Kind::kFalseInside) finding.error = ExactSample(program_, theta).distanceToFeasible();
 }
 
 Kind AnswerChecker::kindOfSilence(const Eigen::VectorXd& theta) {
-  if (!rules_.checks_silence || isInfeasible(theta)) return Kind::kOutside;
+  if (rules_.silence == Silence::kIgnored) return Kind::kOutside;
+  if (rules_.silence == Silence::kQuick && isInfeasible(theta)) return Kind::kOutside;
+  const ExactLp::Status status = ExactSample(program_, theta).status();
+  if (status == ExactLp::Status::kInfeasible) return Kind::kOutside;
   if (isAtEdge(theta)) return Kind::kEdge;
-  switch (ExactSample(program_, theta).status()) {
-    case ExactLp::Status::kUndefined:
-    case ExactLp::Status::kInfeasible:
-      return Kind::kOutside;
-    case ExactLp::Status::kUnbounded:
-      return Kind::kUnbounded;
-    case ExactLp::Status::kOptimal:
-      return Kind::kMissed;
-  }
-  return Kind::kUndecided;
+  return status == ExactLp::Status::kUnbounded ? Kind::kUnbounded : Kind::kMissed;
 }
 
 bool AnswerChecker::isInfeasible(const Eigen::VectorXd& theta) {
@@ -96,10 +88,12 @@ bool AnswerChecker::isInfeasible(const Eigen::VectorXd& theta) {
   return qp.solve(theta, {}, precision_).verdict == Verdict::kInfeasible;
 }
 
+// Beside a corner of the feasible set, no axis may lead there.
 bool AnswerChecker::isAtEdge(const Eigen::VectorXd& theta) {
   const bool is_infeasible = isInfeasible(theta);
-  return anyBeside(theta, program_.parameters, rules_.edge,
-                   [&](const Eigen::VectorXd& at) { return isInfeasible(at) != is_infeasible; });
+  const auto differs = [&](const Eigen::VectorXd& at) { return isInfeasible(at) != is_infeasible; };
+  if (anyBeside(theta, program_.parameters, rules_.edge, differs)) return true;
+  return is_infeasible && ExactSample(program_, theta).distanceToFeasible() <= rules_.edge;
 }
 
 Eigen::VectorXd inputRanges(const RegionMap& map, const std::vector<Eigen::VectorXd>& samples) {

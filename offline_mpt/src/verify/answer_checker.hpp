@@ -31,16 +31,23 @@ struct SampleFinding {
   Eigen::VectorXd right;  ///< the optimum, where there is one
 };
 
+/// What a parameter without a region means.
+enum class Silence : std::uint8_t {
+  kIgnored,  ///< nothing: the map is a part
+  kQuick,    ///< that 32 digits find no solution
+  kExact,    ///< that an exact linear program has none
+};
+
 struct AnswerRules {
   double error = 0.0;  ///< greatest SampleFinding::error of a right answer
   double edge = 0.0;   ///< parameters nearer to the edge of the feasible set may go either way [scaled]
-  bool checks_silence = true;  ///< false: each parameter without a region is kOutside
+  Silence silence = Silence::kExact;
 };
 
 /// Checks answers of a map, also of one that is reduced, against the numbers of its program. The tight rows of the region that
 /// answers give the optimum, with 32 digits; where they do not, a dual active-set method goes on from them. Before a map is
-/// called wrong about where there is a solution, or about a linear cost, exact linear programs decide. One object serves one
-/// thread.
+/// called wrong about where there is a solution, or about a linear cost, exact linear programs decide. So they do of each
+/// silence, if asked. One object serves one thread.
 class AnswerChecker {
  public:
   /// All that is given outlives the object. `ranges` is what errors of the inputs are shares of. Throws Error where H is
@@ -50,7 +57,7 @@ class AnswerChecker {
 
   SampleFinding check(const Eigen::VectorXd& theta);
 
-  /// Whether there is a solution on one side of theta, and none on another.
+  /// Whether there is a solution at theta and none just beside it, or the other way round.
   bool isAtEdge(const Eigen::VectorXd& theta);
 
   /// The optimum is unique.

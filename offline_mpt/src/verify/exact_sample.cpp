@@ -40,6 +40,9 @@ Rational ExactSample::valueAt(const Eigen::MatrixXd& rows, const Eigen::VectorXd
   return value;
 }
 
+// b - a . theta of a row of the parameter set.
+Rational ExactSample::roomInSet(int row) const { return valueAt(-program_.A_theta, program_.b_theta, row); }
+
 // Columns z, rows of the program.
 ExactLp ExactSample::rowsAtTheta() const {
   ExactLp lp;
@@ -56,11 +59,13 @@ ExactLp ExactSample::rowsAtTheta() const {
 
 void ExactSample::setCost(ExactLp& lp) const {
   if (!program_.H.isZero(0.0)) return;
-  for (int j = 0; j < program_.variableCount(); ++j)
-    lp.setObjective(j, valueAt(program_.F, program_.f, j));
+  for (int j = 0; j < program_.variableCount(); ++j) lp.setObjective(j, valueAt(program_.F, program_.f, j));
 }
 
 ExactLp::Status ExactSample::status() const {
+  for (int i = 0; i < program_.A_theta.rows(); ++i) {
+    if (roomInSet(i) < 0) return ExactLp::Status::kInfeasible;
+  }
   ExactLp lp = rowsAtTheta();
   setCost(lp);
   return lp.solve();
@@ -80,9 +85,8 @@ double ExactSample::distanceToFeasible() const {
     }
   };
   for (int i = 0; i < program_.rowCount(); ++i) moved(i, program_.S, i, -1);
-  const Eigen::MatrixXd opposite = -program_.A_theta;
   for (int i = 0; i < program_.A_theta.rows(); ++i)
-    moved(addRowBelow(lp, valueAt(opposite, program_.b_theta, i)), program_.A_theta, i, 1);
+    moved(addRowBelow(lp, roomInSet(i)), program_.A_theta, i, 1);
   for (int j = 0; j < p; ++j) {
     const Signal& signal = program_.parameters[static_cast<std::size_t>(j)];
     const Rational theta(theta_[j]), half = (Rational(signal.upper) - Rational(signal.lower)) / 2;

@@ -14,7 +14,7 @@ class ExactSample {
   ExactSample(const ParametricProgram& program, const Eigen::VectorXd& theta)
       : program_(program), theta_(theta) {}
 
-  /// Whether there is a z and, with H = 0, whether the cost has an end.
+  /// Whether theta is in the parameter set and has a z and, with H = 0, whether the cost has an end.
   ExactLp::Status status() const;
 
   /// Least change of theta, in units of half a range and in the greatest component, that makes the program feasible. Infinite
@@ -27,6 +27,7 @@ class ExactSample {
 
  private:
   Rational valueAt(const Eigen::MatrixXd& rows, const Eigen::VectorXd& constants, int row) const;
+  Rational roomInSet(int row) const;
   ExactLp rowsAtTheta() const;
   void setCost(ExactLp& lp) const;
 

@@ -24,9 +24,7 @@ std::uint64_t spread(std::uint64_t x) {
 }  // namespace
 
 ParameterSampler::ParameterSampler(const RegionMap& map, std::uint64_t seed, std::uint64_t stream)
-    : map_(&map),
-      engine_(spread(spread(seed) + stream)),
-      solver_(static_cast<int>(map.parameters().size())) {
+    : map_(&map), engine_(spread(spread(seed) + stream)), solver_(static_cast<int>(map.parameters().size())) {
   const auto p = static_cast<Eigen::Index>(map.parameters().size());
   middle_.resize(p);
   half_.resize(p);

@@ -42,9 +42,7 @@ class ParameterSampler {
   std::uint64_t below(std::uint64_t count);
   Eigen::VectorXd direction();
 
-  Eigen::Index rowCount() const {
-    return static_cast<Eigen::Index>(rows_.size()) / (middle_.size() + 1);
-  }
+  Eigen::Index rowCount() const { return static_cast<Eigen::Index>(rows_.size()) / (middle_.size() + 1); }
   Eigen::Map<const Eigen::VectorXd> normal(Eigen::Index row) const {
     return {rows_.data() + row * (middle_.size() + 1), middle_.size()};
   }

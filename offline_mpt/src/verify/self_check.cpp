@@ -97,7 +97,8 @@ AnswerCheck checkAnswers(const RegionMap& map, const ParametricProgram& program,
   const std::vector<Eigen::VectorXd> samples = checkSamples(map);
   const Eigen::VectorXd ranges = inputRanges(map, samples);
   const bool is_complete = map.solverStatus() == toString(ExploreStatus::kComplete);
-  const AnswerRules rules = {tolerance::kCheckedError, tolerance::kCheckedEdge, is_complete};
+  const AnswerRules rules = {tolerance::kCheckedError, tolerance::kCheckedEdge,
+                             is_complete ? Silence::kQuick : Silence::kIgnored};
   const int threads = std::clamp(options.threads, 1, 256);
   std::vector<AnswerChecker> checkers(static_cast<std::size_t>(threads),
                                       AnswerChecker(map, program, ranges, rules));

@@ -14,7 +14,7 @@ class RegionMap;
 struct MapContent;
 
 struct AnswerCheckOptions {
-  int threads = 1;  ///< 1..256; the result does not depend on it
+  int threads = 1;                          ///< 1..256; the result does not depend on it
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
   /// Called now and then from the calling thread.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;

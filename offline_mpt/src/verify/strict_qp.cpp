@@ -228,11 +228,14 @@ int StrictQp::mostViolated(double reach) {
   double greatest = 0.0;
   for (int i = 0; i < program_->rowCount(); ++i) {
     DoubleDouble excess = -bounds_[static_cast<std::size_t>(i)];
+    double terms = std::abs(excess.high);
     for (int j = 0; j < n_; ++j) {
-      if (const double a = program_->A(i, j); a != 0.0) excess += a * z_[static_cast<std::size_t>(j)];
+      const DoubleDouble term = program_->A(i, j) * z_[static_cast<std::size_t>(j)];
+      excess += term;
+      terms += std::abs(term.high);
     }
     const double size = isEquality(i) ? std::abs(excess.high) : excess.high;
-    if (!(size > 0.0)) continue;
+    if (!(size > tolerance::kNoExcess * terms)) continue;
     row(i);
     const double distance = size / std::sqrt(squared_[static_cast<std::size_t>(i)]);
     if (distance > std::max(reach, greatest)) {
@@ -257,8 +260,7 @@ bool StrictQp::meet(int index) {
     for (const int other : tight_) products.push_back(dot(added, rows_[static_cast<std::size_t>(other)]));
     const Vector shares = solveTight(products);  // multipliers fall by these
     const DoubleDouble curvature = whole - dot(products, shares);
-    DoubleDouble excess =
-        -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * whole;
+    DoubleDouble excess = -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * whole;
     for (std::size_t i = 0; i < tight_.size(); ++i) excess -= multipliers_[i] * products[i];
     const bool depends = !(curvature.high > tolerance::kRankOfSquares * squared);
     DoubleDouble step = depends ? DoubleDouble(std::numeric_limits<double>::infinity()) : excess / curvature;
@@ -307,6 +309,7 @@ StrictAnswer StrictQp::solve(const Eigen::VectorXd& theta, const std::vector<int
   for (Eigen::Index k = 0; k < precision.size(); ++k) {
     if (output_length_[k] > 0.0) reach = std::min(reach, precision[k] / output_length_[k]);
   }
+  if (std::isinf(reach)) reach = 0.0;  // no z moves an output
   setParameter(theta);
   begin(guess);
   const int most = kStepsPerRow * (program_->rowCount() + 1);

@@ -27,6 +27,9 @@ constexpr double kRankOfSquares = 1e-24;
 /// A row moves a multiplier by a smaller share only by rounding of 32 digits [rows of unit length].
 constexpr double kNoShare = 1e-16;
 
+/// A row is violated by a smaller share of its terms only by rounding of 32 digits.
+constexpr double kNoExcess = 1e-22;
+
 /// Multiple of the identity that makes a cost strictly convex, as a share of the greatest entry of H.
 constexpr double kRegularisedHessian = 1e-14;
 

@@ -80,7 +80,7 @@ class Checker {
       : map_(map),
         options_(options),
         ranges_(ranges),
-        checker_(map, program, ranges, {options.tolerance, options.edge_tolerance}),
+        checker_(map, program, ranges, {options.tolerance, options.edge_tolerance, Silence::kExact}),
         hit_(map.regionCount(), 0) {}
 
   VerifyReport checkBlock(std::uint64_t block) {
