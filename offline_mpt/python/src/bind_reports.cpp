@@ -49,7 +49,7 @@ void bindCertifyReport(py::module_& module) {
       .def_readonly("regions", &CertifyReport::regions)
       .def_readonly("facets", &CertifyReport::facets)
       .def_readonly("law_error", &CertifyReport::law_error,
-                    "Greatest error of a law, relative to max(1, |u|).")
+                    "Greatest error of a law, relative to max(1, |u|) or the input's range.")
       .def_readonly("plane_error", &CertifyReport::plane_error, "Greatest error of a plane [scaled].")
       .def_readonly("defects", &CertifyReport::defects)
       .def_readonly("certificate", &CertifyReport::certificate,
