@@ -147,6 +147,13 @@ TEST(StrictQp, EndsWhereOutputsHaveNoSize) {
   }
 }
 
+// One equality leaves one direction free.
+TEST(StrictQp, ALinearCostIsNotDefiniteWhereAnEqualityHolds) {
+  const ParametricProgram program = programOf(Eigen::Matrix2d::Zero(), Eigen::Vector2d(1.0, 2.0),
+                                              Eigen::RowVector2d(0.3, -0.7), Eigen::VectorXd::Ones(1), {0});
+  EXPECT_FALSE(StrictQp(program, Convexity::kAsGiven).definite());
+}
+
 TEST(StrictQp, SaysThatOppositeRowsContradictEachOther) {
   Eigen::MatrixXd A(2, 2);
   A << 1.0, 1.0, -1.0, -1.0;

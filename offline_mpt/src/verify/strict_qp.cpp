@@ -64,7 +64,7 @@ StrictQp::StrictQp(const ParametricProgram& program, Convexity convexity)
   for (const int index : program.equalities) equality_[static_cast<std::size_t>(index)] = 1;
   L_ = hessian();
   definite_ = factorise(L_, n);
-  if (!definite_ && !program.equalities.empty()) {
+  if (!definite_ && !program.equalities.empty() && !program.H.isZero(0.0)) {
     L_ = hessian();
     addEqualities(L_);
     definite_ = factorise(L_, n);
@@ -97,7 +97,7 @@ StrictQp::Vector StrictQp::hessian() const {
 
 // Squares of equalities in the cost change no optimum. H then need be definite only where they hold.
 void StrictQp::addEqualities(Vector& H) {
-  const double most = std::max(program_->H.diagonal().maxCoeff(), std::numeric_limits<double>::min());
+  const double most = program_->H.diagonal().maxCoeff();
   for (const int index : program_->equalities) {
     const auto a = program_->A.row(index);
     const double squared = a.squaredNorm();

@@ -35,6 +35,7 @@ class StrictQp {
   /// The program outlives the object, which may be used only if it is `definite`.
   StrictQp(const ParametricProgram& program, Convexity convexity);
 
+  /// Where its equalities hold; false of H = 0.
   bool definite() const { return definite_; }
 
   /// `precision`: how far u may be from the optimum for each row that the answer violates, one for each input. Parameters
