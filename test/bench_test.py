@@ -31,7 +31,7 @@ if name == "breaks":
 seconds = float(name.split("_")[-1]) / 2 if name.split("_")[-1].replace(".", "").isdigit() else 0.5
 print(json.dumps({"problem": name, "status": "complete", "parameters": 4, "regions": 5000, "cpu_seconds": seconds,
                   "wall_seconds": seconds, "threads": 2, "peak_bytes": 5e6, "feasible_samples": 60, "missed": 0,
-                  "infeasible_samples": 20, "false_inside": 0, "u_error": 1e-9, "u_error_of": "u"}))
+                  "infeasible_samples": 20, "false_inside": 0, "u_error": 1e-9}))
 """
 
 # Takes as many seconds as the name ends in; `unpruned` is three times slower.

@@ -128,9 +128,9 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
                    "implies. Default: auto.")
       ->transform(oneOf(trees));
   command
-      ->add_option(
-          "--law-tolerance", options->reduce.law_tolerance,
-          "Laws that differ by less anywhere in the box count as equal, relative to max(1, |bounds of u|).")
+      ->add_option("--law-tolerance", options->reduce.law_tolerance,
+                   "Laws that differ by less anywhere in the box count as equal, relative to the greatest "
+                   "|bound| of u.")
       ->check(numberFrom(0.0, 1e-8))
       ->capture_default_str();
   command->add_option("--stats", options->stats, "Write sizes before and after to this file as JSON.");

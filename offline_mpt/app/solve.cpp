@@ -181,7 +181,7 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
 // False where the map is wrong; says why.
 bool answersRight(const SolveArguments& options, const ParametricProgram& program,
                   const MapContent& content) {
-  const AnswerCheck check = checkAnswers(content, program, options.explore.threads);
+  const AnswerCheck check = checkAnswers(content, program, {options.explore.threads, nullptr, {}});
   if (check.fault.empty()) return true;
   std::fprintf(stderr, "offline_mpt: %s: not written: %s\n", options.map.c_str(), check.fault.c_str());
   return false;

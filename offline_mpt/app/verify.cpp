@@ -19,10 +19,10 @@ namespace {
 
 const char kVerifyFooter[] =
     R"(Half of the samples are uniform in the parameters' box. The others lie on and next to faces of random
-regions, where faces meet, and at the centres of regions. An interior-point method solves each sample; it
-shares no code with the solver. With H = 0 the minimiser may not be unique. Then the command compares
-the best objective that the map's input admits, and the report says so. The report depends only on the
-map, the problem, --samples and --seed.
+regions, where faces meet, and at the centres of regions. At each sample the optimum is computed with 32
+digits on the numbers of the problem. Exact linear programs decide where a map is silent. With H = 0 the
+optimum may not be unique; the nearest one counts. The report depends only on the map, the problem,
+--samples and --seed.
 
 The result is PASSED (exit code 0) if no sample breaks a rule, all samples were decided, and the map is
 marked complete.

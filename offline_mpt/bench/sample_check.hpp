@@ -17,10 +17,9 @@ struct SampleCheck {
   int infeasible = 0;
   /// Infeasible samples that a region holds.
   int false_inside = 0;
-  /// Greatest |u - reference| over all regions that hold a sample, relative to the greatest |u| of the
-  /// samples; where the optimum is not unique, of the objective.
+  /// Greatest |u - reference| over all regions that hold a sample, relative to the greatest |u| of the samples. With H = 0,
+  /// of the first such region, and the nearest optimum is the reference.
   double u_error = 0.0;
-  bool of_objective = false;
 };
 
 /// `samples`: the list of that name in the problem file. Samples nearer than 1e-6 to the edge of the feasible

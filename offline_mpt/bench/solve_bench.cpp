@@ -65,7 +65,6 @@ void addSamples(const SolveArguments& arguments, const ParametricProgram& progra
   result["infeasible_samples"] = check.infeasible;
   result["false_inside"] = check.false_inside;
   result["u_error"] = check.u_error;
-  result["u_error_of"] = check.of_objective ? "objective" : "u";
 }
 
 }  // namespace

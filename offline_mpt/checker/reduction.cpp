@@ -115,7 +115,25 @@ std::string Reduction::conditions() const {
   return line;
 }
 
-/// Laws differ by little all over the box, relative to max(1, |finite bounds of u|).
+/// Greatest finite |bound| of an input. Without one, the greatest |u| of a law of the original in the box, at most 1.
+Fraction Reduction::scaleOf(std::size_t input) const {
+  const std::size_t p = original_map_.p, q = original_map_.q;
+  Fraction scale;
+  for (const double bound :
+       {original_map_.bounds[2 * (p + input)], original_map_.bounds[2 * (p + input) + 1]}) {
+    if (std::isfinite(bound)) scale = std::max(scale, Fraction(std::abs(bound)));
+  }
+  if (scale > 0) return scale;
+  for (std::size_t at = input * (p + 1); at < original_map_.laws.size(); at += q * (p + 1)) {
+    const double* row = original_map_.laws.data() + at;
+    Fraction sum;
+    for (const Fraction& entry : reduced_.scaling().inBox(row, 1, Fraction(row[p]))) sum += abs(entry);
+    scale = std::max(scale, std::min(Fraction(1), sum));
+  }
+  return scale > 0 ? scale : Fraction(1);
+}
+
+/// Laws differ by little all over the box.
 bool Reduction::sameLaw(std::uint32_t reduced, std::uint32_t original) const {
   const auto known = same_.find({reduced, original});
   if (known != same_.end()) return known->second;
@@ -125,14 +143,11 @@ bool Reduction::sameLaw(std::uint32_t reduced, std::uint32_t original) const {
   for (std::size_t i = 0; i < q && same; ++i) {
     const double* a = reduced_map_.laws.data() + (reduced * q + i) * (p + 1);
     const double* b = original_map_.laws.data() + (original * q + i) * (p + 1);
-    double scale = 1.0;
-    for (const double bound : {reduced_map_.bounds[2 * (p + i)], reduced_map_.bounds[2 * (p + i) + 1]}) {
-      if (std::isfinite(bound)) scale = std::max(scale, std::abs(bound));
-    }
+    if (scales_.size() <= i) scales_.push_back(scaleOf(i));
     const Vector u = scaling.inBox(a, 1, Fraction(a[p])), v = scaling.inBox(b, 1, Fraction(b[p]));
     Fraction difference;
     for (std::size_t j = 0; j <= p; ++j) difference += abs(u[j] - v[j]);
-    same = difference <= law_tolerance_ * Fraction(scale);
+    same = difference <= law_tolerance_ * scales_[i];
   }
   same_.emplace(std::make_pair(reduced, original), same);
   return same;

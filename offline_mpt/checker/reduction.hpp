@@ -78,6 +78,7 @@ class Reduction {
   void cutByRegion(Line& line, const std::string& kind, Cell cell, const Scope& scope, int depth) const;
   void requireAllowed(const std::string& kind, std::uint32_t region, const Scope& scope) const;
   bool isCandidate(std::uint32_t region, const Scope& scope) const;
+  Fraction scaleOf(std::size_t input) const;
   bool sameLaw(std::uint32_t reduced, std::uint32_t original) const;
 
   const Map &reduced_map_, &original_map_;
@@ -91,6 +92,8 @@ class Reduction {
   std::vector<std::string> originals_, claims_;
   MapRows reduced_, original_;
   mutable std::map<std::pair<std::uint32_t, std::uint32_t>, bool> same_;
+  // What the law tolerance of each input is a share of.
+  mutable std::vector<Fraction> scales_;
 };
 
 }  // namespace checker

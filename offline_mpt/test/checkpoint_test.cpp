@@ -2,9 +2,12 @@
 // whole or not the problem's is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
@@ -14,8 +17,43 @@
 #include "same_regions.hpp"
 #include "scratch_folder.hpp"
 
+// Compiles XXH64 into this file; nothing to link.
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 namespace polyfly {
 namespace {
+
+constexpr std::size_t kHeader = 64, kFileSize = 16, kChecksum = 24, kRegionCount = 56;  // [bytes]
+
+/// Where the numbers of each region begin in a checkpoint: radius, centre, law, half-spaces.
+std::vector<std::size_t> placesOf(const std::string& file, const Partition& partition) {
+  std::vector<std::size_t> places;
+  for (const CriticalRegion& region : partition.regions) {
+    for (std::size_t at = kHeader; at + sizeof region.radius <= file.size(); at += 2) {
+      if (std::memcmp(file.data() + at, &region.radius, sizeof region.radius) == 0) places.push_back(at);
+    }
+  }
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+void addTo(std::string& file, std::size_t at, std::uint64_t added) {
+  std::uint64_t value = 0;
+  std::memcpy(&value, file.data() + at, sizeof value);
+  value += added;
+  std::memcpy(file.data() + at, &value, sizeof value);
+}
+
+/// Of a file that is shorter than one piece of the hash.
+std::string withChecksum(std::string file) {
+  std::string header = file.substr(0, kHeader);
+  std::fill_n(header.begin() + kChecksum, sizeof(std::uint64_t), '\0');
+  const std::uint64_t payload = XXH64(file.data() + kHeader, file.size() - kHeader, 0);
+  const std::uint64_t checksum = XXH64(header.data(), header.size(), payload);
+  std::memcpy(file.data() + kChecksum, &checksum, sizeof checksum);
+  return file;
+}
 
 class Checkpoint : public ::testing::Test {
  protected:
@@ -140,6 +178,41 @@ TEST_F(Checkpoint, RefusesEveryDamage) {
   EXPECT_NE(refusal().find("is no checkpoint"), std::string::npos);
   std::filesystem::remove(options_.checkpoint);
   EXPECT_NE(refusal().find(options_.checkpoint), std::string::npos);
+}
+
+// One bit of one number of one region: no sample would meet it.
+TEST_F(Checkpoint, RefusesEachEditedNumber) {
+  ASSERT_EQ(explore(program_, options_).status, ExploreStatus::kComplete);
+  const std::string bytes = readBytes(options_.checkpoint);
+  ASSERT_EQ(withChecksum(bytes), bytes);
+  const std::vector<std::size_t> places = placesOf(bytes, whole_);
+  ASSERT_EQ(places.size(), whole_.regions.size());
+  ASSERT_GE(places.size(), 64u);
+  for (std::size_t k = 0; k + 1 < places.size(); k += 13) {
+    const std::size_t end =
+        places[k + 1] - 2 * sizeof(std::uint32_t);  // the next one's set and number of facets
+    for (std::size_t at = places[k]; at < end; at += sizeof(double)) {
+      std::string edited = bytes;
+      addTo(edited, at, 1);
+      writeBytes(options_.checkpoint, withChecksum(edited));
+      EXPECT_NE(refusal().find("gives another region"), std::string::npos) << "region " << k;
+    }
+  }
+}
+
+TEST_F(Checkpoint, RefusesALostRegion) {
+  ASSERT_EQ(explore(program_, options_).status, ExploreStatus::kComplete);
+  const std::string bytes = readBytes(options_.checkpoint);
+  const std::vector<std::size_t> places = placesOf(bytes, whole_);
+  for (const std::size_t k : {std::size_t{1}, places.size() / 2 + 1}) {
+    std::string edited = bytes;
+    const std::size_t size = places[k + 1] - places[k];
+    edited.erase(places[k] - 2 * sizeof(std::uint32_t), size);
+    addTo(edited, kFileSize, -size);
+    addTo(edited, kRegionCount, std::uint64_t{0} - 1);
+    writeBytes(options_.checkpoint, withChecksum(edited));
+    EXPECT_NE(refusal().find("gives another region"), std::string::npos) << "region " << k;
+  }
 }
 
 TEST_F(Checkpoint, RefusesAnotherProblem) {

@@ -398,5 +398,30 @@ TEST(CheckerInput, SignalsOfAMapAreThoseOfItsProblem) {
   EXPECT_NE(why(changed).find("kind"), std::string::npos);
 }
 
+ParametricProgram inTinyUnits() {
+  ParametricProgram program = doubleIntegrator(3);
+  constexpr double kUnit = 1e-10;
+  for (Eigen::MatrixXd* const matrix : {&program.E, &program.C}) *matrix *= kUnit;
+  program.c *= kUnit;
+  for (Signal& input : program.inputs) {
+    input.lower *= kUnit;
+    input.upper *= kUnit;
+  }
+  return program;
+}
+
+class TinyUnits : public Mutation {
+ protected:
+  TinyUnits() : Mutation(inTinyUnits()) {}
+};
+
+// An error as great as the input's range is one, however small that is.
+TEST_F(TinyUnits, ALawOfTheOtherSignIsRefused) {
+  MapContent wrong = content_;
+  for (double& entry : wrong.laws) entry = -entry;
+  EXPECT_NE(refusalOfMap(wrong).find("the map's law is not the exact one"), std::string::npos);
+  EXPECT_FALSE(certify(MapInMemory(wrong).map(), program_).passed());
+}
+
 }  // namespace
 }  // namespace polyfly

@@ -9,12 +9,13 @@
 
 #include "offline_mpt/explore.hpp"
 #include "soft_problems.hpp"
-#include "verify/program_oracle.hpp"
+#include "verify/strict_qp.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kTolerance = 1e-6;
+constexpr double kPrecision = 1e-10;
 
 /// x+ = x + u + d, that follows a reference beyond its bound of 2.
 std::string integrator(const std::string& input, const std::string& disturbance,
@@ -64,7 +65,7 @@ class SimulatedLoop {
       : problem_(problem),
         model_(discretise(problem, problem.sampling_time)),
         program_(withSlacks(condense(problem))),
-        oracle_(program_) {}
+        oracle_(program_, Convexity::kAsGiven) {}
 
   /// The excess now or in the prediction; at most 0 where the bound is met.
   double excessFrom(const Eigen::VectorXd& theta) {
@@ -122,9 +123,9 @@ class SimulatedLoop {
     return program;
   }
 
-  const Eigen::VectorXd& answer(const Eigen::VectorXd& theta) {
-    const OracleAnswer& answer = oracle_.solve(theta);
-    EXPECT_EQ(answer.verdict, OracleAnswer::Verdict::kFeasible);
+  Eigen::VectorXd answer(const Eigen::VectorXd& theta) {
+    const StrictAnswer answer = oracle_.solve(theta, kPrecision);
+    EXPECT_EQ(answer.verdict, StrictAnswer::Verdict::kOptimal);
     return answer.u;
   }
 
@@ -150,7 +151,7 @@ class SimulatedLoop {
   const MpcProblem& problem_;
   const DiscreteModel model_;
   const ParametricProgram program_;
-  ProgramOracle oracle_;
+  StrictQp oracle_;
 };
 
 struct Solved {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -445,6 +446,24 @@ TEST(Reduce, KeepsWhatIsProvenOfAController) {
   const VerifyReport report = verify(reduced.map(), program, options);
   EXPECT_TRUE(report.passed()) << verifyText(report);
   EXPECT_THROW(certify(reduced.map(), program), Error);
+}
+
+// However small u is, laws that differ stay apart.
+TEST(Reduce, DoesNotDependOnTheUnitOfTheInput) {
+  for (const double bound : {0.5, std::numeric_limits<double>::infinity()}) {
+    std::size_t regions = 0;
+    for (const double unit : {1.0, 0x1p-40}) {
+      ParametricProgram program = doubleIntegrator(4);
+      program.E *= unit;
+      for (Signal& input : program.inputs) input.lower = -(input.upper = unit * bound);
+      const MapInMemory original(encode(program, explore(program)));
+      const std::size_t count =
+          reduceAndProve(original, with(MergeMethod::kAuto, false)).content.regions.size();
+      EXPECT_TRUE(regions == 0 || count == regions) << count << " for " << regions;
+      regions = count;
+    }
+    EXPECT_GT(regions, 2u);
+  }
 }
 
 struct Reference {

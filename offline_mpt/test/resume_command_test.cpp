@@ -20,10 +20,6 @@
 #include "same_regions.hpp"
 #include "scratch_folder.hpp"
 
-// Compiles XXH64 into this file; nothing to link.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 namespace polyfly {
 namespace {
 
@@ -176,50 +172,6 @@ TEST_F(ResumeCommand, IsStoppedWhileTheSearchTreeIsBuilt) {
   const pid_t resumed =
       start(solve("many.json", "by_signal_2.map", {"--resume", "--time-limit", "3", "--tree", "small"}));
   expect_kept(wait(resumed), "by_signal_2.map");
-}
-
-/// Adds to the constants of some laws of a checkpoint and puts its checksum right: of each second of the regions that are
-/// not described again when it is resumed. The file is shorter than one piece of the hash.
-std::string edited(std::string file, const Partition& partition, double added) {
-  constexpr std::size_t kHeader = 64, kChecksum = 24, kDescribedAgain = 32;
-  std::vector<std::size_t> places;  // where a region's numbers begin: radius, centre, law
-  for (const CriticalRegion& region : partition.regions) {
-    for (std::size_t at = kHeader; at + sizeof region.radius <= file.size(); at += 2) {
-      if (std::memcmp(file.data() + at, &region.radius, sizeof region.radius) == 0) places.push_back(at);
-    }
-  }
-  std::sort(places.begin(), places.end());
-  const std::size_t step = places.size() / kDescribedAgain;
-  const auto p = static_cast<std::size_t>(partition.regions.front().K.cols());
-  for (std::size_t k = 1; k < places.size(); k += step) {
-    char* const place = file.data() + places[k] + (1 + 2 * p) * sizeof(double);
-    double constant = 0.0;
-    std::memcpy(&constant, place, sizeof constant);
-    constant += added;
-    std::memcpy(place, &constant, sizeof constant);
-  }
-  std::string header = file.substr(0, kHeader);
-  std::fill_n(header.begin() + kChecksum, sizeof(std::uint64_t), '\0');
-  const std::uint64_t payload = XXH64(file.data() + kHeader, file.size() - kHeader, 0);
-  const std::uint64_t checksum = XXH64(header.data(), header.size(), payload);
-  std::memcpy(file.data() + kChecksum, &checksum, sizeof checksum);
-  return file;
-}
-
-TEST_F(ResumeCommand, RefusesAnEditedCheckpoint) {
-  writeBytes(path("small.json"), chainProblem(6, 4));
-  ExploreOptions options;
-  options.checkpoint = path("part.map.checkpoint");
-  const Partition partition = explore(loadProgramJson(path("small.json")), options);
-  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
-  ASSERT_GE(partition.regions.size(), 64u);
-  writeBytes(path("part.map.checkpoint"), edited(readBytes(path("part.map.checkpoint")), partition, 1e-2));
-  const Outcome outcome = run("part.map", {"--resume"});
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-  EXPECT_NE(outcome.err.find("part.map: not written: region "), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("of the input's range"), std::string::npos) << outcome.err;
-  EXPECT_FALSE(fs::exists(path("part.map")));
-  EXPECT_FALSE(fs::exists(path("part.map.checkpoint")));
 }
 
 TEST_F(ResumeCommand, BuildsTheSearchTreeOfACompleteExploration) {

@@ -69,17 +69,17 @@ TEST(SelfCheck, PassesRightMapsAndRefusesEachWrongLaw) {
     const Partition partition = explore(program);
     ASSERT_EQ(partition.status, ExploreStatus::kComplete);
     MapContent content = encoded(program, partition);
-    const AnswerCheck right = checkAnswers(content, program, 1);
+    const AnswerCheck right = checkAnswers(content, program);
     EXPECT_EQ(right.fault, "") << "seed " << seed;
     EXPECT_GE(right.samples, 200u);
-    EXPECT_EQ(checkAnswers(content, program, 3).worst, right.worst);
+    EXPECT_EQ(checkAnswers(content, program, {3, nullptr, {}}).worst, right.worst);
 
     const std::size_t width =
         content.laws.size() / content.inputs.size() / (partition.regions.front().K.cols() + 1);
     for (std::size_t law = 0; law < width; ++law) {
       MapContent wrong = content;
       wrong.laws[(law + 1) * content.inputs.size() * 3 - 1] += 2.0 * kBarelyWrong;
-      const std::string fault = checkAnswers(wrong, program, 1).fault;
+      const std::string fault = checkAnswers(wrong, program).fault;
       EXPECT_NE(fault.find("region "), std::string::npos)
           << "seed " << seed << " law " << law << ": " << fault;
       EXPECT_NE(fault.find("theta = ("), std::string::npos) << fault;
@@ -92,10 +92,10 @@ TEST(SelfCheck, FindsThatACompleteMapIsSilent) {
   Partition partition = explore(program);
   ASSERT_GT(partition.regions.size(), 3u);
   partition.regions.erase(partition.regions.begin() + 1);
-  const AnswerCheck check = checkAnswers(encoded(program, partition), program, 1);
+  const AnswerCheck check = checkAnswers(encoded(program, partition), program);
   EXPECT_NE(check.fault.find("no region holds theta = ("), std::string::npos) << check.fault;
   partition.status = ExploreStatus::kLimited;
-  EXPECT_EQ(checkAnswers(encoded(program, partition), program, 1).fault, "");
+  EXPECT_EQ(checkAnswers(encoded(program, partition), program).fault, "");
 }
 
 // x+ = x + u over two steps with unit weights and the terminal weight 1e12: u = -2/3 x. The law -x/2 leaves 5e-13 of the
@@ -104,9 +104,9 @@ TEST(SelfCheck, SeesASmallResidualThatChangesTheInput) {
   Eigen::Matrix2d H;
   H << 1e12 + 2, 1e12, 1e12, 1e12 + 1;
   const ParametricProgram program = twoVariables(H, {1e12 + 1, 1e12});
-  EXPECT_EQ(checkAnswers(oneRegion(program, -(2e12 + 1) / (3e12 + 2)), program, 1).fault, "");
-  EXPECT_NE(checkAnswers(oneRegion(program, -0.5), program, 1).fault, "");
-  EXPECT_NE(checkAnswers(oneRegion(program, -2.0 / 3.0 - kBarelyWrong), program, 1).fault, "");
+  EXPECT_EQ(checkAnswers(oneRegion(program, -(2e12 + 1) / (3e12 + 2)), program).fault, "");
+  EXPECT_NE(checkAnswers(oneRegion(program, -0.5), program).fault, "");
+  EXPECT_NE(checkAnswers(oneRegion(program, -2.0 / 3.0 - kBarelyWrong), program).fault, "");
 }
 
 // Of z_1 + z_2 = theta each split costs the same: any u is right between the bounds, and none beyond.
@@ -119,9 +119,9 @@ TEST(SelfCheck, AcceptsEachOptimumOfALinearProgram) {
   program.b[4] = 0.0;
   program.S = Eigen::MatrixXd::Zero(5, 1);
   program.S(4, 0) = -1.0;
-  EXPECT_EQ(checkAnswers(oneRegion(program, 0.5), program, 1).fault, "");
-  EXPECT_EQ(checkAnswers(oneRegion(program, 1.5), program, 1).fault, "");
-  EXPECT_NE(checkAnswers(oneRegion(program, 3.5), program, 1).fault, "");
+  EXPECT_EQ(checkAnswers(oneRegion(program, 0.5), program).fault, "");
+  EXPECT_EQ(checkAnswers(oneRegion(program, 1.5), program).fault, "");
+  EXPECT_NE(checkAnswers(oneRegion(program, 3.5), program).fault, "");
 }
 
 // Slopes reach 2.6e5 where u stays within 0.5: an error that is small beside the slopes is not small beside u.
@@ -129,7 +129,7 @@ TEST(SelfCheck, LawsOfASpringChainAreExactWhereTheyAreSteep) {
   const ParametricProgram program = springChain(3, 5);
   const Partition partition = explore(program);
   ASSERT_EQ(partition.status, ExploreStatus::kComplete);
-  const AnswerCheck check = checkAnswers(encoded(program, partition), program, 2);
+  const AnswerCheck check = checkAnswers(encoded(program, partition), program);
   EXPECT_EQ(check.fault, "");
   EXPECT_LT(check.worst, kSteepLaws);
 }

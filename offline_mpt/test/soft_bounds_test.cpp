@@ -10,12 +10,13 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/explore.hpp"
 #include "soft_problems.hpp"
-#include "verify/program_oracle.hpp"
+#include "verify/strict_qp.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kTolerance = 1e-6;
+constexpr double kPrecision = 1e-10;
 
 struct Solved {
   explicit Solved(const std::string& text)
@@ -48,9 +49,9 @@ Eigen::VectorXd randomParameter(const ParametricProgram& program, std::mt19937* 
 }
 
 /// Greatest slack at theta; also of parameters at the edge of the box.
-double excessAt(ProgramOracle* oracle, const Eigen::VectorXd& theta) {
-  const OracleAnswer& answer = oracle->solve(theta);
-  EXPECT_EQ(answer.verdict, OracleAnswer::Verdict::kFeasible);
+double excessAt(StrictQp* oracle, const Eigen::VectorXd& theta) {
+  const StrictAnswer answer = oracle->solve(theta, kPrecision);
+  EXPECT_EQ(answer.verdict, StrictAnswer::Verdict::kOptimal);
   return answer.u.maxCoeff();
 }
 
@@ -62,7 +63,7 @@ TEST(SoftBounds, TheGreatestExcessIsReachedAndNeverPassed) {
     const SoftBound& bound = solved.bounds[0];
     EXPECT_EQ(bound.name, "v");
     EXPECT_EQ(bound.unit, "m/s");
-    ProgramOracle oracle(solved.slacks);
+    StrictQp oracle(solved.slacks, Convexity::kAsGiven);
     EXPECT_NEAR(excessAt(&oracle, bound.excess.theta), bound.excess.value, kTolerance);
     std::mt19937 generator(1);
     int exceeded = 0;
@@ -82,13 +83,13 @@ TEST(SoftBounds, AnExactWeightExceedsTheBoundOnlyWhereItCannotHold) {
     const SoftBound& bound = solved.bounds.at(0);
     const ParametricProgram hard = withHardBounds(solved.program);
     EXPECT_EQ(hard.variableCount(), 5);
-    ProgramOracle soft_oracle(solved.slacks);
-    ProgramOracle hard_oracle(hard);
+    StrictQp soft_oracle(solved.slacks, Convexity::kAsGiven);
+    StrictQp hard_oracle(hard, Convexity::kAsGiven);
     std::mt19937 generator(2);
     int feasible = 0, needless = 0;
     for (int i = 0; i < 400; ++i) {
       const Eigen::VectorXd theta = randomParameter(solved.program, &generator);
-      if (hard_oracle.solve(theta).verdict != OracleAnswer::Verdict::kFeasible) continue;
+      if (hard_oracle.solve(theta, kPrecision).verdict != StrictAnswer::Verdict::kOptimal) continue;
       ++feasible;
       needless += excessAt(&soft_oracle, theta) > kTolerance ? 1 : 0;
     }
@@ -113,9 +114,9 @@ TEST(SoftBounds, AWeightJustAboveTheGreatestMultiplierIsExactAndOneJustBelowIsNo
   const Solved below(cartProblem(softSpeed(greatest * 0.99, "horizon")));
   ASSERT_EQ(below.bounds.at(0).exactness, SoftBound::Exactness::kNotExact);
   // Near the witness there are parameters where hard bounds hold and the soft one is exceeded all the same.
-  ProgramOracle soft_oracle(below.slacks);
+  StrictQp soft_oracle(below.slacks, Convexity::kAsGiven);
   const ParametricProgram hard = withHardBounds(below.program);
-  ProgramOracle hard_oracle(hard);
+  StrictQp hard_oracle(hard, Convexity::kAsGiven);
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> nearby(-0.02, 0.02);
   int needless = 0;
@@ -123,7 +124,7 @@ TEST(SoftBounds, AWeightJustAboveTheGreatestMultiplierIsExactAndOneJustBelowIsNo
     const Eigen::Vector2d theta =
         below.bounds[0].multiplier.theta + Eigen::Vector2d(nearby(generator), nearby(generator));
     if (std::abs(theta(0)) > 10.0 || std::abs(theta(1)) > 4.0) continue;
-    if (hard_oracle.solve(theta).verdict != OracleAnswer::Verdict::kFeasible) continue;
+    if (hard_oracle.solve(theta, kPrecision).verdict != StrictAnswer::Verdict::kOptimal) continue;
     needless += excessAt(&soft_oracle, theta) > kTolerance ? 1 : 0;
   }
   EXPECT_GT(needless, 0);

@@ -13,17 +13,18 @@
 #include "polyfly_base/read_text.hpp"
 #include "random.hpp"
 #include "soft_problems.hpp"
-#include "verify/program_oracle.hpp"
+#include "verify/strict_qp.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kTolerance = 1e-6;
+constexpr double kPrecision = 1e-10;
 constexpr int kSamples = 100;
 
-/// The map's first input against an interior-point solution.
+/// The map's first input against a direct solution.
 void expectRightAtRandomParameters(const RegionMap& map, const ParametricProgram& program, unsigned seed) {
-  ProgramOracle oracle(program);
+  StrictQp oracle(program, Convexity::kAsGiven);
   Random random(seed);
   for (int k = 0; k < kSamples; ++k) {
     Eigen::VectorXd theta(program.parameterCount());
@@ -31,11 +32,11 @@ void expectRightAtRandomParameters(const RegionMap& map, const ParametricProgram
       const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
       theta(j) = random.uniform(signal.lower, signal.upper);
     }
-    const OracleAnswer& truth = oracle.solve(theta);
+    const StrictAnswer truth = oracle.solve(theta, kPrecision);
     const Lookup found = map.locate(theta.data());
-    if (truth.verdict == OracleAnswer::Verdict::kInfeasible) {
+    if (truth.verdict == StrictAnswer::Verdict::kInfeasible) {
       EXPECT_NE(found.status, LookupStatus::kInside) << theta.transpose();
-    } else if (truth.verdict == OracleAnswer::Verdict::kFeasible) {
+    } else if (truth.verdict == StrictAnswer::Verdict::kOptimal) {
       ASSERT_EQ(found.status, LookupStatus::kInside) << theta.transpose();
       const double* const law = map.law(found.law);
       double u = law[theta.size()];

@@ -59,7 +59,7 @@ def problemRows(run, figures):
                      ("<=", 0)),
                  row(f"{name}: infeasible samples inside", run["false_inside"], f"of {run['infeasible_samples']}",
                      beside("false_inside"), ("<=", 0)),
-                 row(f"{name}: greatest relative error of {run['u_error_of']}", run["u_error"], "", beside("u_error"),
+                 row(f"{name}: greatest relative error of u", run["u_error"], "", beside("u_error"),
                      ("<=", U_ERROR))]
     return rows
 

@@ -211,7 +211,7 @@ std::string Certificate::conditions() const {
 std::string Certificate::boundsOfAnswers(double up) const {
   // One tolerance more allows for the difference of the map's plane.
   const Fraction reach = (kReach + 1) * Fraction(map_.tolerance);
-  const Fraction beyond = 2 * reach * greatest_change_ + 2 * law_tolerance_ * greatest_u_;
+  const Fraction beyond = 2 * reach * greatest_change_ + 2 * law_tolerance_ * greatest_scale_;
   Fraction greatest;
   for (std::size_t i = 0; i < n_; ++i)
     for (std::size_t j = 0; j < n_; ++j) greatest = std::max(greatest, Fraction(abs(hessian(i, j))));

@@ -127,6 +127,8 @@ class Certificate {
   const Region& checkedRegion(std::size_t index) const;
 
   // 3, laws: laws.cpp.
+  Fraction greatestInBox(const double* row) const;
+  Fraction sizeOf(std::size_t input) const;
   void checkLaw(std::size_t index, const Region& region) const;
 
   // 4, coverage: coverage.cpp.
@@ -170,9 +172,11 @@ class Certificate {
   std::string convexity_, coverage_;
   /// Keys of the head lines that were read.
   std::set<std::string> head_;
-  /// Greatest difference of a law in the box, |u| of a law there and at least 1, and change of u from the centre of the
-  /// box; found by check().
-  mutable Fraction law_error_, greatest_u_ = 1, greatest_change_;
+  /// What each input's law tolerance is a share of at most.
+  mutable std::vector<Fraction> input_sizes_;
+  /// Greatest difference of a law in the box, what its tolerance is a share of, and change of u from the centre of the box;
+  /// found by check().
+  mutable Fraction law_error_, greatest_scale_, greatest_change_;
   /// Greatest changes of a bound and of f that make an answer an optimum; found by check().
   mutable Fraction bound_change_, cost_change_;
   /// Some checked regions, to be used again.

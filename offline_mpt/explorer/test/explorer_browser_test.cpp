@@ -9,7 +9,7 @@
 #include "project_root.hpp"
 #include "random_program.hpp"
 #include "synthetic_map.hpp"
-#include "verify/program_oracle.hpp"
+#include "verify/strict_qp.hpp"
 
 namespace polyfly {
 namespace {
@@ -18,8 +18,9 @@ using Json = nlohmann::json;
 
 // Of a model that is integrated in steps instead of discretised.
 constexpr double kIntegration = 1e-8;
-// Of costs: a KKT system in the browser, an interior-point method here.
+// Of costs: a KKT system in the browser, a dual active-set method here.
 constexpr double kCostError = 1e-6;
+constexpr double kPrecision = 1e-10;  // of inputs
 
 TEST_F(Explorer, SlicesHoldTheRegionsThatLookUpsFind) {
   const RegionMap map = RegionMap::open(solve(problemFile("multirotor_lateral.yaml")));
@@ -60,7 +61,7 @@ TEST_F(Explorer, CostIsThatOfTheOptimalInputs) {
   const Eigen::MatrixXd P = solveRiccati(model.A, model.B, mpc.Q, mpc.R);
   ParametricProgram program = condense(mpc);
   outputAllVariables(program);
-  ProgramOracle oracle(program);
+  StrictQp oracle(program, Convexity::kAsGiven);
   ExplorerContent content = explorerContent(map);
   const std::vector<std::vector<double>> points = pointsOf(map, 8);
   content.flight = asFlight(points);
@@ -69,8 +70,8 @@ TEST_F(Explorer, CostIsThatOfTheOptimalInputs) {
   for (std::size_t k = 0; k < points.size(); k += 10) {
     if (answers[k]["status"] != "inside") continue;
     const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(points[k].data(), 4);
-    const OracleAnswer& answer = oracle.solve(theta);
-    if (answer.verdict != OracleAnswer::Verdict::kFeasible) continue;
+    const StrictAnswer answer = oracle.solve(theta, kPrecision);
+    if (answer.verdict != StrictAnswer::Verdict::kOptimal) continue;
     // Eq. 4, step by step, in the order of the parameters: errors of two states, previous input, reference.
     Eigen::VectorXd e = theta.head(2);
     double previous = theta(2) - theta(3);
@@ -176,13 +177,15 @@ TEST_F(Explorer, GenericProgramHasCostAndNoFlight) {
   const Json report = reportOf(savePage(map, content));
   expectSameAnswers(map, points, report["answers"]);
   EXPECT_TRUE(report["flight"].is_null());
-  ProgramOracle oracle(program);
+  outputAllVariables(program);
+  StrictQp oracle(program, Convexity::kAsGiven);
   for (std::size_t k = 0; k < points.size(); k += 20) {
     if (report["answers"][k]["status"] != "inside") continue;
-    const OracleAnswer& answer = oracle.solve(Eigen::Map<const Eigen::VectorXd>(points[k].data(), 3));
-    if (answer.verdict != OracleAnswer::Verdict::kFeasible) continue;
-    EXPECT_NEAR(report["answers"][k]["cost"].get<double>(), answer.objective,
-                kCostError * (1.0 + std::abs(answer.objective)));
+    const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(points[k].data(), 3);
+    const StrictAnswer answer = oracle.solve(theta, kPrecision);
+    if (answer.verdict != StrictAnswer::Verdict::kOptimal) continue;
+    const double cost = answer.u.dot(0.5 * program.H * answer.u + program.f + program.F * theta);
+    EXPECT_NEAR(report["answers"][k]["cost"].get<double>(), cost, kCostError * (1.0 + std::abs(cost)));
   }
 }
 

@@ -18,7 +18,8 @@ class ProcessGroup;
 struct CertifyOptions {
   int threads = 1;  ///< 1..256; the report and the certificate do not depend on it
   /// Greatest difference of u in the box between the map's law and the exact one. It is relative to max(1, the
-  /// greatest |u| of this law in the box). The certificate states 1e-10 where that holds.
+  /// greatest |u| of this law in the box), and to the input's range where that is less (without one, to the greatest |u| of
+  /// all laws). The certificate states 1e-10 where that holds.
   double law_tolerance = 1e-8;
   double plane_tolerance = 5e-9;            ///< greatest difference of a plane's distance in the box [scaled]
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early

@@ -19,9 +19,9 @@ namespace polyfly {
 /// Active sets are described in the order in which they are found, so the result depends neither on threads nor on
 /// processes. An exploration that was stopped and resumed from its checkpoint ends with the regions of one that was
 /// not. A limit on regions cuts at the same region each time. Throws Error when the checkpoint is damaged, belongs to
-/// another problem or other tolerances, or comes from another build of the solver. It also throws when that of a
-/// stopped exploration cannot be written at the end, and when a process of the group cannot assist. A process of the
-/// group that is lost interrupts (ExploreStats::lost_process).
+/// another problem or other tolerances, comes from another build of the solver, or holds a region that is not that of its
+/// active set. It also throws when that of a stopped exploration cannot be written at the end, and when a process of the
+/// group cannot assist. A process of the group that is lost interrupts (ExploreStats::lost_process).
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly

@@ -30,7 +30,8 @@ const char* toString(MergeMethod method);
 struct ReduceOptions {
   MergeMethod merge = MergeMethod::kAuto;
   bool separate = false;  ///< let few fallback regions take the place of saturated ones
-  /// Laws that differ by less anywhere in the box are one, relative to max(1, |finite bounds of u|).
+  /// Laws that differ by less anywhere in the box are one, relative to the greatest finite |bound| of the input. Without
+  /// one, relative to the greatest |u| of a law in the box, at most 1.
   double law_tolerance = 1e-9;
   /// How far the search tree grows. kSmall: as far as it shortens look-ups. These leave out rows that the way to a leaf
   /// implies, and cells of the tree that hold one law become regions. kAuto: at most two nodes per region, and look-ups

@@ -24,14 +24,6 @@ struct VerifyOptions {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 
-/// What is compared where map and program both have an answer.
-enum class VerifyMode {
-  /// u itself: the minimiser is unique.
-  kOutput,
-  /// The best objective that u admits. The program is only convex, so u need not be unique.
-  kObjective,
-};
-
 /// Samples that break one rule.
 struct Finding {
   std::uint64_t count = 0;
@@ -43,7 +35,6 @@ struct Finding {
 
 /// Result of `verify`. "[scaled]" means in units of half a parameter's range.
 struct VerifyReport {
-  VerifyMode mode = VerifyMode::kOutput;
   std::uint64_t seed = 0;
   double tolerance = 0.0;
   double edge_tolerance = 0.0;
@@ -56,19 +47,16 @@ struct VerifyReport {
   std::uint64_t inside = 0;
   /// Samples that were compared with the program.
   std::uint64_t compared = 0;
-  /// Of `compared`: oracle and map differed by more than the tolerance, and the region's active set met the
-  /// conditions of optimality in rational arithmetic. So its solution took the oracle's place.
-  std::uint64_t settled = 0;
   /// Samples at which the program has no solution.
   std::uint64_t infeasible = 0;
   /// Map and program differ, but within edge_tolerance of the feasible set's edge.
   std::uint64_t borderline = 0;
-  /// Greatest error of u [unit of u] or of the scaled objective.
+  /// Greatest error of u [unit of u].
   double max_error = 0.0;
-  /// Greatest error as a share of the input's range (without one, of the greatest |u| of samples), or divided by
-  /// max(1, |objective|) in units in which the program's numbers are of order one.
+  /// Greatest error as a share of the input's range; without one, of the greatest |u| of samples.
   double max_scaled_error = 0.0;
   Eigen::VectorXd max_error_theta;
+  std::uint32_t max_error_region = 0;
 
   /// The scaled error is above the tolerance.
   Finding errors;
@@ -82,17 +70,13 @@ struct VerifyReport {
   Finding tree_errors;
   /// The program has solutions at the sample, but its cost is unbounded below.
   Finding unbounded;
-  /// The oracle was not accurate enough.
+  /// The optimum could not be found.
   Finding undecided;
   /// Visited regions without a point inside. Worst: by how much [scaled].
   Finding empty_regions;
 
   std::uint64_t regions = 0;
   std::uint64_t regions_hit = 0;
-  /// Greatest scaled KKT residual of the oracle where it decided.
-  double oracle_residual = 0.0;
-  /// Greatest number of iterations of the oracle.
-  int oracle_iterations = 0;
   /// Solver status that is written in the map.
   std::string map_status;
   bool interrupted = false;
@@ -101,9 +85,10 @@ struct VerifyReport {
   bool passed() const;
 };
 
-/// Compares a map with direct solutions of its program at random parameters: half uniform in the box, half at
-/// degenerate places. Deterministic in (map, program, samples, seed). Throws Error when map and program do
-/// not have the same signals.
+/// Compares a map with the optima of its program at random parameters, by the arithmetic of `solve`'s own check: half uniform
+/// in the box, half at degenerate places. With H = 0 the optimum may not be unique; the nearest one counts. Deterministic in
+/// (map, program, samples, seed). Throws Error when map and program do not have the same signals, or H is neither zero nor
+/// positive definite where the equalities leave z free.
 VerifyReport verify(const RegionMap& map, const ParametricProgram& program,
                     const VerifyOptions& options = {});
 

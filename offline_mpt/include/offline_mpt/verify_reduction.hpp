@@ -15,7 +15,7 @@ class RegionMap;
 
 struct ReductionOptions {
   int threads = 1;  ///< 1..256; the report does not depend on it
-  /// Laws that differ by less anywhere in the box count as one, relative to max(1, |finite bounds of u|).
+  /// Laws that differ by less anywhere in the box count as one, relative as ReduceOptions::law_tolerance.
   double law_tolerance = 1e-8;
   bool certificate = false;                 ///< keep the proof
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early

@@ -18,7 +18,7 @@ using Path = std::filesystem::path;
 
 void bindVerifyReport(py::module_& module) {
   py::class_<VerifyReport>(module, "VerifyReport",
-                           "Samples of a map, compared with direct solutions of its program.")
+                           "Samples of a map, compared with the optima of its program.")
       .def_property_readonly(
           "passed", &VerifyReport::passed,
           "Every sample was decided, none breaks a rule, and the map says that it is complete.")
@@ -26,9 +26,11 @@ void bindVerifyReport(py::module_& module) {
       .def_readonly("inside", &VerifyReport::inside, "Samples that the map answers.")
       .def_readonly("compared", &VerifyReport::compared)
       .def_readonly("infeasible", &VerifyReport::infeasible, "Samples at which the program has no solution.")
-      .def_readonly("max_error", &VerifyReport::max_error, "Greatest error of u or of the objective.")
+      .def_readonly("max_error", &VerifyReport::max_error, "Greatest error of u.")
       .def_readonly("max_scaled_error", &VerifyReport::max_scaled_error,
                     "The same, as a share of the input's range.")
+      .def_readonly("max_error_theta", &VerifyReport::max_error_theta, "Where that is.")
+      .def_readonly("max_error_region", &VerifyReport::max_error_region, "The region that answers there.")
       .def_property_readonly("json", &verifyJson, "The report as JSON.")
       .def("__str__", &verifyText)
       .def("__bool__", &VerifyReport::passed);
@@ -47,7 +49,7 @@ void bindCertifyReport(py::module_& module) {
       .def_readonly("regions", &CertifyReport::regions)
       .def_readonly("facets", &CertifyReport::facets)
       .def_readonly("law_error", &CertifyReport::law_error,
-                    "Greatest error of a law, relative to max(1, |u|).")
+                    "Greatest error of a law, relative to max(1, |u|) or the input's range.")
       .def_readonly("plane_error", &CertifyReport::plane_error, "Greatest error of a plane [scaled].")
       .def_readonly("defects", &CertifyReport::defects)
       .def_readonly("certificate", &CertifyReport::certificate,

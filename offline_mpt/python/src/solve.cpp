@@ -5,8 +5,10 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
+#include "robust_mpc/online_law.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "support/vector_text.hpp"
+#include "verify/self_check.hpp"
 #include "watch.hpp"
 
 namespace polyfly::python {
@@ -38,6 +40,11 @@ TreeOptions treeOptions(const SolveOptions& options, Watch& watch) {
   return tree;
 }
 
+// A map with a wrong answer is no result.
+void requireRight(const std::string& name, const AnswerCheck& check) {
+  if (!check.fault.empty()) throw Error(name + ": " + check.fault);
+}
+
 }  // namespace
 
 TreeMode treeMode(const std::string& name, const std::vector<TreeMode>& modes) {
@@ -67,7 +74,15 @@ std::unique_ptr<LoadedMap> solveProgram(const ParametricProgram& program, const 
     const TreeOptions tree = treeOptions(options, watch);
     const Partition partition = explore(program, explore_options);
     checkRegions(program, partition);
-    return MapImage(encode(program, partition, tree));
+    MapImage solved(encode(program, partition, tree));
+    AnswerCheckOptions check;
+    check.threads = explore_options.threads;
+    check.stop = &watch.stop();
+    check.progress = [&](auto done, auto total) {
+      watch.look("check: " + shareText(done, total, "samples"));
+    };
+    requireRight(program.name, checkAnswers(solved.view(program.name), program, check));
+    return solved;
   });
   return std::make_unique<LoadedMap>(std::move(image), program.name);
 }
@@ -86,7 +101,11 @@ std::unique_ptr<LoadedMap> solveRobust(const RobustProblem& problem, const Solve
     const FeasibleSet set = projectFeasibleSet(buildRobustProgram(problem), project);
     if (set.interrupted) throw Error(problem.name + ": interrupted, nothing was kept");
     const RoundedLaw rounded = roundLaw(problem, explicitLaw(problem, set), ExploreStatus::kComplete);
-    return MapImage(encode(rounded.program, rounded.partition, tree));
+    const MapContent content = encode(rounded.program, rounded.partition, tree);
+    OnlineRobustLaw online(problem);
+    requireRight(problem.name,
+                 checkAnswers(content, [&](const double* theta) { return online.input(theta); }));
+    return MapImage(content);
   });
   return std::make_unique<LoadedMap>(std::move(image), problem.name);
 }

@@ -25,12 +25,12 @@ struct SolveOptions {
 /// That of the modes which has the name. Throws Error where none has it.
 TreeMode treeMode(const std::string& name, const std::vector<TreeMode>& modes);
 
-/// Explores a program and encodes its map. A map that a limit ended says so in its status. Throws Error where there is
-/// no region to keep.
+/// Explores a program, encodes its map, and checks answers as `offline_mpt solve` does. A map that a limit ended says so in its
+/// status. Throws Error where there is no region to keep, and where an answer is wrong.
 std::unique_ptr<LoadedMap> solveProgram(const ParametricProgram& program, const SolveOptions& options,
                                         pybind11::object progress);
 
-/// The map of a minimum-peak robust problem. Its limits are of no effect.
+/// The map of a minimum-peak robust problem, checked alike. Its limits are of no effect.
 std::unique_ptr<LoadedMap> solveRobust(const RobustProblem& problem, const SolveOptions& options,
                                        pybind11::object progress);
 
@@ -49,7 +49,8 @@ void defineSolve(Type& type, const Solver& solver) {
       py::kw_only(), py::arg("threads") = 0, py::arg("tree") = "auto",
       py::arg("region_limit") = SolveOptions{}.region_limit, py::arg("time_limit") = 0.0,
       py::arg("memory_limit") = 0, py::arg("progress") = py::none(),
-      "Solves for all parameters in the box; returns the Map. The result does not depend on threads (0: all "
+      "Solves for all parameters in the box; returns the Map. Raises Error where its answers fail the check. "
+      "The result does not depend on threads (0: all "
       "processors). "
       "tree: fast, auto or small. time_limit [s], memory_limit [bytes]: 0 for none; a map that a limit ended "
       "has the "

@@ -242,7 +242,7 @@ StatedTolerances statedTolerances(const std::vector<RegionCheck>& checks, const 
 double greatestDifferenceBeyondFacets(const CheckContext& context, double law_tolerance) {
   const RegionMap& map = context.map;
   const auto p = static_cast<std::size_t>(context.program.p), q = static_cast<std::size_t>(context.program.q);
-  double greatest_u = 1.0, greatest_change = 0.0;
+  double greatest_u = 0.0, greatest_change = 0.0;
   for (std::size_t k = 0; k < map.lawCount() * q; ++k) {
     const double* const row = map.law(k / q) + k % q * (p + 1);
     double change = 0.0, constant = row[p];
@@ -251,7 +251,7 @@ double greatestDifferenceBeyondFacets(const CheckContext& context, double law_to
       constant += row[j] * context.program.centre[j].get_d();
     }
     greatest_change = std::max(greatest_change, change);
-    greatest_u = std::max(greatest_u, change + std::abs(constant));
+    greatest_u = std::max(greatest_u, context.lawScale(k % q, Rational(change + std::abs(constant))).get_d());
   }
   return 18.0 * map.tolerance() * greatest_change + 2.0 * law_tolerance * greatest_u;
 }

@@ -77,6 +77,16 @@ std::string describeOrigin(const ExactOrigin& origin) {
   return "";
 }
 
+/// Greatest |u| of a row of a law in the box.
+Rational greatestInBox(const ExactProgram& program, const double* row) {
+  Rational constant(row[program.p]), size;
+  for (int j = 0; j < program.p; ++j) {
+    constant += Rational(row[j]) * program.centre[j];
+    size += abs(Rational(row[j]) * program.half[j]);
+  }
+  return size + abs(constant);
+}
+
 void compareLaw(const CheckContext& context, const RegionView& view, const ExactRegion& exact,
                 std::uint32_t index, RegionCheck& check) {
   const ExactProgram& program = context.program;
@@ -85,16 +95,13 @@ void compareLaw(const CheckContext& context, const RegionView& view, const Exact
   for (int i = 0; i < program.q; ++i) {
     const double* row = law + static_cast<std::ptrdiff_t>(i) * (program.p + 1);
     const Rational* wanted = exact.law.data() + static_cast<std::ptrdiff_t>(i) * (program.p + 1);
-    Rational constant(row[program.p]), difference = program.roundingOf(row, 1), size;
+    Rational constant(row[program.p]), difference = program.roundingOf(row, 1);
     for (int j = 0; j < program.p; ++j) {
-      const Rational gain = Rational(row[j]) * program.half[j];
       constant += Rational(row[j]) * program.centre[j];
-      difference += abs(gain - wanted[j]);
-      size += abs(gain);
+      difference += abs(Rational(row[j]) * program.half[j] - wanted[j]);
     }
     difference += abs(constant - wanted[program.p]);
-    size += abs(constant);
-    if (size > 1) difference /= size;
+    difference /= context.lawScale(static_cast<std::size_t>(i), greatestInBox(program, row));
     worst = std::max(worst, difference);
   }
   check.law_error = above(worst);
@@ -230,6 +237,27 @@ void refuseRepeatedRows(std::uint32_t index, RegionCheck& check) {
 }
 
 }  // namespace
+
+CheckContext::CheckContext(const RegionMap& checked, const ParametricProgram& given,
+                           const ExactProgram& exact, const CertifyOptions& chosen)
+    : map(checked), source(given), program(exact), options(chosen) {
+  for (std::size_t i = 0; i < map.inputs().size(); ++i) {
+    const Signal& input = map.inputs()[i];
+    Rational size;
+    if (std::isfinite(input.lower) && std::isfinite(input.upper)) {
+      size = Rational(input.upper) - Rational(input.lower);
+    } else {
+      for (std::size_t k = 0; k < map.lawCount(); ++k)
+        size = std::max(size,
+                        greatestInBox(program, map.law(k) + i * (static_cast<std::size_t>(program.p) + 1)));
+    }
+    input_sizes.push_back(size > 0 ? size : Rational(1));
+  }
+}
+
+Rational CheckContext::lawScale(std::size_t input, const Rational& greatest) const {
+  return std::min(std::max(Rational(1), greatest), input_sizes[input]);
+}
 
 std::string originText(const ExactOrigin& origin) {
   constexpr char kLetters[] = {'m', 'p', 's', 'd', 'b', 'x'};

@@ -55,11 +55,19 @@ struct RegionCheck {
 
 /// The map, the program and what of the map is needed in exact form.
 struct CheckContext {
+  CheckContext(const RegionMap& checked, const ParametricProgram& given, const ExactProgram& exact,
+               const CertifyOptions& chosen);
+
   const RegionMap& map;
   const ParametricProgram& source;
   const ExactProgram& program;
   const CertifyOptions& options;
 
+  /// Ranges of the inputs; without one, the greatest |u| of all laws in the box.
+  std::vector<Rational> input_sizes;
+
+  /// What the law tolerance of an input is a share of, where `greatest` is the greatest |u| of the law in the box.
+  Rational lawScale(std::size_t input, const Rational& greatest) const;
   bool stopped() const { return options.stop != nullptr && options.stop->load(); }
 };
 

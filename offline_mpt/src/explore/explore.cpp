@@ -5,8 +5,10 @@
 #endif
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <functional>
+#include <memory>
 
 #include "explore/parallel/compute_regions.hpp"
 #include "explore/parallel/coordinator.hpp"
@@ -21,12 +23,12 @@
 #include "program/normalised_program.hpp"
 #include "program/slater_point.hpp"
 #include "program/unbounded_cost.hpp"
+#include "support/in_parallel.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr std::size_t kReturnedAtOnce = 50'000;  // regions whose first form is given back to the system
-constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
 
 Eigen::VectorXd unscaled(const NormalisedProgram& program, const Eigen::VectorXd& t) {
   return program.centre + program.half.cwiseProduct(t);
@@ -86,26 +88,52 @@ void convertRegions(const NormalisedProgram& program, ExplorationState& state, P
             [](const CriticalRegion& a, const CriticalRegion& b) { return a.active < b.active; });
 }
 
-// Goes on from a checkpoint. Some of its regions are described again: other bits tell of another solver,
-// whose regions would not go together with these.
+/// Whether a set, described anew, gives the numbers that a checkpoint holds of it; nullptr: none.
+bool isDescribedAlike(const ExplorationState& state, std::uint32_t set, const RegionStore::Region* stored,
+                      RegionWorkspace& worker) {
+  const RowSpan rows = state.found[set];
+  const ActiveSet active(rows.begin(), rows.end());
+  Region region;
+  const bool is_region = worker.builder.build(active, region) == BuildStatus::kRegion;
+  if (stored == nullptr) return !is_region || region.isKnownByTightRows(active.size());
+  if (!is_region || region.facets.size() != stored->facets) return false;
+  std::vector<double> numbers(state.regions.numberCount(stored->facets));
+  copyNumbers(region, numbers.data());
+  return std::memcmp(numbers.data(), stored->numbers, numbers.size() * sizeof(double)) == 0;
+}
+
+// Each set of a checkpoint is described anew, without what lies beyond its facets: about half of the work that they took.
+// Other bits tell of an edited file, or of another solver, whose regions would not go together with these.
+void checkDescribed(const NormalisedProgram& program, const ExploreOptions& options,
+                    const ExplorationState& state) {
+  std::vector<const RegionStore::Region*> stored(state.described, nullptr);
+  for (std::size_t k = 0; k < state.regions.size(); ++k) stored[state.regions[k].set] = &state.regions[k];
+  std::vector<std::unique_ptr<RegionWorkspace>> workers;
+  for (int k = 0; k < workerCount(options); ++k)
+    workers.push_back(std::make_unique<RegionWorkspace>(program, options));
+  std::atomic<std::uint64_t> first{state.described};  // that differs
+  const auto report = [&](std::uint64_t done, std::uint64_t) {
+    if (options.progress) options.progress({state.regions.size(), state.open(), done, 0, false});
+  };
+  inParallel(state.described, workerCount(options), nullptr, report,
+             [&](std::size_t thread, std::uint64_t i) {
+               if (isDescribedAlike(state, static_cast<std::uint32_t>(i), stored[i], *workers[thread]))
+                 return;
+               for (std::uint64_t least = first; i < least && !first.compare_exchange_weak(least, i);)
+                 continue;
+             });
+  if (first == state.described) return;
+  throw Error(options.checkpoint + ": active set " + std::to_string(first) +
+              " gives another region: the file was edited, or written by another build of the solver");
+}
+
 void resume(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
-            const ActiveSet& first, RegionWorkspace& worker, ExplorationState& state) {
+            const ActiveSet& first, ExplorationState& state) {
   loadCheckpoint(options.checkpoint, key, program, state);
   const RowSpan start = state.found[0];
-  RegionResult again;
-  bool same = std::equal(start.begin(), start.end(), first.begin(), first.end());
-  const std::size_t step = std::max<std::size_t>(1, state.regions.size() / kDescribedAgain);
-  for (std::size_t k = 0; same && k < state.regions.size(); k += step) {
-    const RegionStore::Region& region = state.regions[k];
-    const RowSpan set = state.found[region.set];
-    computeRegion(program, worker, ActiveSet(set.begin(), set.end()), again);
-    same = again.status == BuildStatus::kRegion && again.region.facets.size() == region.facets;
-    if (!same) break;
-    std::vector<double> numbers(state.regions.numberCount(region.facets));
-    copyNumbers(again.region, numbers.data());
-    same = std::memcmp(numbers.data(), region.numbers, numbers.size() * sizeof(double)) == 0;
-  }
-  if (!same) throw Error(options.checkpoint + ": was written by another build of the solver");
+  if (!std::equal(start.begin(), start.end(), first.begin(), first.end()))
+    throw Error(options.checkpoint + ": was written by another build of the solver");
+  checkDescribed(program, options, state);
 }
 
 // What is made of the regions may take longer than they did, and be stopped: a complete exploration is saved,
@@ -174,7 +202,7 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
     return partition;
   }
   if (options.resume) {
-    resume(program, options, key, first, worker, state);
+    resume(program, options, key, first, state);
   } else {
     state.found.insert({first.data(), first.size()});
   }

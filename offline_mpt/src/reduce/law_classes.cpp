@@ -41,13 +41,23 @@ double difference(const std::vector<double>& a, const std::vector<double>& b, st
 }  // namespace
 
 std::vector<double> lawScales(const RegionMap& map) {
-  std::vector<double> scales;
-  for (const Signal& input : map.inputs()) {
-    double scale = 1.0;
-    for (const double bound : {input.lower, input.upper}) {
+  const std::size_t p = map.parameters().size(), q = map.inputs().size();
+  std::vector<double> scales, greatest(q, 0.0);
+  for (std::uint32_t law = 0; law < map.lawCount(); ++law) {
+    const std::vector<double> entries = scaledLaw(map, law, std::vector<double>(q, 1.0));
+    for (std::size_t i = 0; i < q; ++i) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j <= p; ++j) sum += std::abs(entries[i * (p + 1) + j]);
+      greatest[i] = std::max(greatest[i], sum);
+    }
+  }
+  for (std::size_t i = 0; i < q; ++i) {
+    double scale = 0.0;
+    for (const double bound : {map.inputs()[i].lower, map.inputs()[i].upper}) {
       if (std::isfinite(bound)) scale = std::max(scale, std::abs(bound));
     }
-    scales.push_back(scale);
+    if (scale == 0.0) scale = std::min(1.0, greatest[i]);
+    scales.push_back(scale > 0.0 ? scale : 1.0);
   }
   return scales;
 }

@@ -7,7 +7,7 @@ namespace polyfly {
 
 class RegionMap;
 
-/// Per input: max(1, |finite bounds|).
+/// Per input: its greatest finite |bound|. Without one, the greatest |u| of a law in the box, at most 1.
 std::vector<double> lawScales(const RegionMap& map);
 
 /// For each law of the map the first law that it differs from by at most `tolerance` anywhere in the box,

@@ -8,7 +8,6 @@
 
 #include "lp/rational_polytope.hpp"
 #include "region_maps/region_map.hpp"
-#include "verify/interior_point_qp.hpp"
 #include "verify/tolerances.hpp"
 
 namespace polyfly {
@@ -25,7 +24,7 @@ std::uint64_t spread(std::uint64_t x) {
 }  // namespace
 
 ParameterSampler::ParameterSampler(const RegionMap& map, std::uint64_t seed, std::uint64_t stream)
-    : map_(&map), engine_(spread(spread(seed) + stream)) {
+    : map_(&map), engine_(spread(spread(seed) + stream)), solver_(static_cast<int>(map.parameters().size())) {
   const auto p = static_cast<Eigen::Index>(map.parameters().size());
   middle_.resize(p);
   half_.resize(p);
@@ -56,78 +55,80 @@ ParameterSampler::Sample ParameterSampler::uniform() {
   return toParameters(t, 1.0);
 }
 
-// Reads the half-spaces of a region and of the box, and finds the Chebyshev centre. Returns its radius.
+// Reads the half-spaces of the box and of a region, and finds the Chebyshev centre. Returns its radius.
 double ParameterSampler::gatherRows(std::uint64_t index) {
-  const RegionView region = map_->region(index);
   const Eigen::Index p = middle_.size();
-  const auto count = static_cast<Eigen::Index>(region.row_count);
-  rows_.setZero(count + 2 * p, p);
-  bounds_.setOnes(count + 2 * p);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const std::int32_t row = region.rows[i];
-    const double sign = row > 0 ? 1.0 : -1.0;
-    const double* plane = map_->plane(static_cast<std::size_t>(std::abs(row)) - 1);
-    double bound = plane[p];
-    for (Eigen::Index j = 0; j < p; ++j) {
-      rows_(i, j) = sign * plane[j] * half_[j];
-      bound -= plane[j] * middle_[j];
-    }
-    const double norm = rows_.row(i).norm();
-    rows_.row(i) /= norm;
-    bounds_[i] = sign * bound / norm;
-  }
+  rows_.clear();
+  const auto add = [&](const Eigen::VectorXd& a, double bound) {
+    rows_.insert(rows_.end(), a.data(), a.data() + p);
+    rows_.push_back(bound);
+  };
   for (Eigen::Index j = 0; j < p; ++j) {
-    rows_(count + 2 * j, j) = 1.0;
-    rows_(count + 2 * j + 1, j) = -1.0;
+    add(Eigen::VectorXd::Unit(p, j), 1.0);
+    add(-Eigen::VectorXd::Unit(p, j), 1.0);
   }
-  Eigen::MatrixXd A(rows_.rows(), p + 1);
-  A << rows_, Eigen::VectorXd::Ones(rows_.rows());
-  Eigen::VectorXd cost = Eigen::VectorXd::Zero(p + 1);
-  cost[p] = -1.0;
-  InteriorPointQp ball(Eigen::MatrixXd::Zero(p + 1, p + 1), A);
-  const InteriorPointSolution& solution = ball.solve(cost, bounds_);
-  if (solution.status != InteriorPointStatus::kOptimal) {
-    centre_.setZero(p);
-    return std::numeric_limits<double>::quiet_NaN();
+  const RegionView region = map_->region(index);
+  for (std::uint32_t i = 0; i < region.row_count; ++i) {
+    const double sign = region.rows[i] > 0 ? 1.0 : -1.0;
+    const double* plane = map_->plane(static_cast<std::size_t>(std::abs(region.rows[i])) - 1);
+    const Eigen::Map<const Eigen::VectorXd> a(plane, p);
+    const double factor = sign / a.cwiseProduct(half_).norm();
+    add(factor * a.cwiseProduct(half_), factor * (plane[p] - a.dot(middle_)));
   }
-  centre_ = solution.z.head(p);
-  const double radius = solution.z[p];
-  return std::abs(radius) <= tolerance::kInteriorPointAccuracy ? exactRadius(A, radius) : radius;
+  centre_.setZero(p);
+  double radius = 0.0;
+  const int count = static_cast<int>(rows_.size()) / static_cast<int>(p + 1);
+  const bool found = solver_.chebyshevInBox(rows_.data(), count, centre_.data(), radius);
+  return found && radius > tolerance::kCertainRadius ? radius : exactRadius();
 }
 
-// The greatest r with A (t, r) <= bounds_, about `radius`. So small a radius is less than the error of the program above.
-double ParameterSampler::exactRadius(const Eigen::MatrixXd& A, double radius) const {
-  const Eigen::Index width = A.cols() + 1;
-  std::vector<double> rows;
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    for (Eigen::Index j = 0; j + 1 < width; ++j) rows.push_back(A(i, j));
-    rows.push_back(bounds_[i]);
+// In fractions, where rounding might decide: the greatest r with a . t + r <= b for all rows.
+double ParameterSampler::exactRadius() {
+  const auto p = static_cast<std::size_t>(middle_.size());
+  std::vector<double> lifted, start(p + 1, 0.0), direction(p + 1, 0.0), point(p + 1);
+  for (std::size_t first = 0; first < rows_.size(); first += p + 1) {
+    const double* const row = rows_.data() + first;
+    lifted.insert(lifted.end(), row, row + p);
+    lifted.push_back(1.0);
+    lifted.push_back(row[p]);
+    start[p] = std::min(start[p], row[p]);
   }
-  std::vector<double> start(centre_.data(), centre_.data() + centre_.size());
-  start.push_back(radius - 2.0 * tolerance::kInteriorPointAccuracy);
-  std::vector<double> direction(start.size(), 0.0), point(start.size());
-  direction.back() = 1.0;
-  const bool found = maximiseRationally(static_cast<int>(A.cols()), rows.data(), static_cast<int>(A.rows()),
-                                        start.data(), direction.data(), point.data());
-  return found ? point.back() : radius;
+  direction[p] = 1.0;
+  const int dimension = static_cast<int>(p) + 1, count = static_cast<int>(lifted.size()) / (dimension + 1);
+  if (!maximiseRationally(dimension, lifted.data(), count, start.data(), direction.data(), point.data()))
+    return -std::numeric_limits<double>::infinity();
+  centre_ = Eigen::Map<const Eigen::VectorXd>(point.data(), middle_.size());
+  return point[p];
 }
 
-// Moves t along a direction to the nearest face, whose number is returned in `face`; -1 if there is none.
-double ParameterSampler::walk(Eigen::VectorXd& t, const Eigen::VectorXd& along, Eigen::Index& face) const {
+// Moves t along a direction to the nearest face. Returns its number, -1 if there is none.
+Eigen::Index ParameterSampler::walk(Eigen::VectorXd& t, const Eigen::VectorXd& along) const {
   double nearest = std::numeric_limits<double>::infinity();
-  face = -1;
-  for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
-    const double speed = rows_.row(i).dot(along);
+  Eigen::Index face = -1;
+  for (Eigen::Index i = 0; i < rowCount(); ++i) {
+    const double speed = normal(i).dot(along);
     if (speed <= tolerance::kParallelFace) continue;
-    const double distance = std::max(0.0, bounds_[i] - rows_.row(i).dot(t)) / speed;
+    const double distance = std::max(0.0, bound(i) - normal(i).dot(t)) / speed;
     if (distance < nearest) {
       nearest = distance;
       face = i;
     }
   }
-  if (face < 0) return 0.0;
-  t += nearest * along;
-  return nearest;
+  if (face >= 0) t += nearest * along;
+  return face;
+}
+
+ParameterSampler::Sample ParameterSampler::centre(std::uint64_t region) {
+  const double radius = gatherRows(region);
+  return toParameters(centre_, radius);
+}
+
+Eigen::VectorXd ParameterSampler::behindFacet() {
+  const Eigen::VectorXd along = direction();
+  Eigen::VectorXd t = centre_;
+  const Eigen::Index face = walk(t, along);
+  if (face >= 0) t += tolerance::kCheckedBehind / normal(face).dot(along) * along;
+  return t.cwiseAbs().maxCoeff() > 1.0 ? Eigen::VectorXd() : toParameters(t, 1.0).theta;
 }
 
 ParameterSampler::Sample ParameterSampler::degenerate() {
@@ -139,14 +140,13 @@ ParameterSampler::Sample ParameterSampler::degenerate() {
   Eigen::VectorXd along = direction();
   Eigen::MatrixXd met(p, 0);  // orthonormal basis of the normals met
   for (Eigen::Index k = 0; k < std::min(faces, p); ++k) {
-    Eigen::Index face = -1;
-    walk(t, along, face);
+    const Eigen::Index face = walk(t, along);
     if (face < 0) break;
-    Eigen::VectorXd normal = rows_.row(face).transpose();
-    normal -= met * (met.transpose() * normal);
-    if (normal.norm() < tolerance::kShortDirection) break;
+    Eigen::VectorXd across = normal(face);
+    across -= met * (met.transpose() * across);
+    if (across.norm() < tolerance::kShortDirection) break;
     met.conservativeResize(p, met.cols() + 1);
-    met.col(met.cols() - 1) = normal.normalized();
+    met.col(met.cols() - 1) = across.normalized();
     along = direction();
     along -= met * (met.transpose() * along);
     if (along.norm() < tolerance::kShortDirection) break;

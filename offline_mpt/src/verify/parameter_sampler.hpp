@@ -3,6 +3,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <random>
+#include <vector>
+
+#include "lp/polytope.hpp"
 
 namespace polyfly {
 
@@ -17,15 +20,19 @@ class ParameterSampler {
 
   struct Sample {
     Eigen::VectorXd theta;
-    /// Chebyshev radius of the region that it was drawn from [scaled]; <= 0: it is empty; NaN: unknown.
+    /// Chebyshev radius of the region that it was drawn from [scaled]; <= 0: it is empty.
     double radius = 1.0;
   };
 
   /// Uniform in the box.
   Sample uniform();
 
-  /// A unit vector.
-  Eigen::VectorXd direction();
+  /// The centre of a region.
+  Sample centre(std::uint64_t region);
+
+  /// Just behind a facet of the region whose centre was asked for last, in a random direction from there. Empty where that is
+  /// outside of the box.
+  Eigen::VectorXd behindFacet();
 
   /// On, beside or at the meeting of faces of a random region, or at its centre.
   Sample degenerate();
@@ -33,18 +40,25 @@ class ParameterSampler {
  private:
   double unit();
   std::uint64_t below(std::uint64_t count);
+  Eigen::VectorXd direction();
+
+  Eigen::Index rowCount() const { return static_cast<Eigen::Index>(rows_.size()) / (middle_.size() + 1); }
+  Eigen::Map<const Eigen::VectorXd> normal(Eigen::Index row) const {
+    return {rows_.data() + row * (middle_.size() + 1), middle_.size()};
+  }
+  double bound(Eigen::Index row) const { return *(normal(row).data() + middle_.size()); }
 
   double gatherRows(std::uint64_t region);
-  double exactRadius(const Eigen::MatrixXd& A, double radius) const;
-  double walk(Eigen::VectorXd& t, const Eigen::VectorXd& along, Eigen::Index& face) const;
+  double exactRadius();
+  Eigen::Index walk(Eigen::VectorXd& t, const Eigen::VectorXd& along) const;
   Sample toParameters(const Eigen::VectorXd& t, double radius) const;
 
   const RegionMap* map_;
   std::mt19937_64 engine_;
   Eigen::VectorXd middle_, half_;
-  // Unit normals of the current region and of the box.
-  Eigen::MatrixXd rows_;    // [scaled]
-  Eigen::VectorXd bounds_;  // rows_ t <= bounds_
+  PolytopeSolver solver_;
+  // Half-spaces (a, b) of the box and of the current region, a of unit length, one after the other.
+  std::vector<double> rows_;  // [scaled]
   // Centre of the current region.
   Eigen::VectorXd centre_;  // [scaled]
 };

@@ -64,7 +64,7 @@ StrictQp::StrictQp(const ParametricProgram& program, Convexity convexity)
   for (const int index : program.equalities) equality_[static_cast<std::size_t>(index)] = 1;
   L_ = hessian();
   definite_ = factorise(L_, n);
-  if (!definite_ && !program.equalities.empty()) {
+  if (!definite_ && !program.equalities.empty() && !program.H.isZero(0.0)) {
     L_ = hessian();
     addEqualities(L_);
     definite_ = factorise(L_, n);
@@ -97,7 +97,7 @@ StrictQp::Vector StrictQp::hessian() const {
 
 // Squares of equalities in the cost change no optimum. H then need be definite only where they hold.
 void StrictQp::addEqualities(Vector& H) {
-  const double most = std::max(program_->H.diagonal().maxCoeff(), std::numeric_limits<double>::min());
+  const double most = program_->H.diagonal().maxCoeff();
   for (const int index : program_->equalities) {
     const auto a = program_->A.row(index);
     const double squared = a.squaredNorm();
@@ -228,11 +228,14 @@ int StrictQp::mostViolated(double reach) {
   double greatest = 0.0;
   for (int i = 0; i < program_->rowCount(); ++i) {
     DoubleDouble excess = -bounds_[static_cast<std::size_t>(i)];
+    double terms = std::abs(excess.high);
     for (int j = 0; j < n_; ++j) {
-      if (const double a = program_->A(i, j); a != 0.0) excess += a * z_[static_cast<std::size_t>(j)];
+      const DoubleDouble term = program_->A(i, j) * z_[static_cast<std::size_t>(j)];
+      excess += term;
+      terms += std::abs(term.high);
     }
     const double size = isEquality(i) ? std::abs(excess.high) : excess.high;
-    if (!(size > 0.0)) continue;
+    if (!(size > tolerance::kNoExcess * terms)) continue;
     row(i);
     const double distance = size / std::sqrt(squared_[static_cast<std::size_t>(i)]);
     if (distance > std::max(reach, greatest)) {
@@ -247,7 +250,8 @@ int StrictQp::mostViolated(double reach) {
 // contradicts the tight ones: no z meets all.
 bool StrictQp::meet(int index) {
   const Vector added = row(index);
-  const double squared = squared_[static_cast<std::size_t>(index)];
+  const DoubleDouble whole = dot(added, added);
+  const double squared = whole.high;
   DoubleDouble own;                     // its multiplier
   if (isEquality(index)) return false;  // it depends on the other ones
   for (;;) {
@@ -255,9 +259,8 @@ bool StrictQp::meet(int index) {
     Vector products;
     for (const int other : tight_) products.push_back(dot(added, rows_[static_cast<std::size_t>(other)]));
     const Vector shares = solveTight(products);  // multipliers fall by these
-    const DoubleDouble curvature = DoubleDouble(squared) - dot(products, shares);
-    DoubleDouble excess =
-        -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * dot(added, added);
+    const DoubleDouble curvature = whole - dot(products, shares);
+    DoubleDouble excess = -bounds_[static_cast<std::size_t>(index)] - dot(added, gradient_) - own * whole;
     for (std::size_t i = 0; i < tight_.size(); ++i) excess -= multipliers_[i] * products[i];
     const bool depends = !(curvature.high > tolerance::kRankOfSquares * squared);
     DoubleDouble step = depends ? DoubleDouble(std::numeric_limits<double>::infinity()) : excess / curvature;
@@ -296,10 +299,17 @@ Eigen::VectorXd StrictQp::output(const Eigen::VectorXd& theta) const {
 StrictAnswer StrictQp::solve(const Eigen::VectorXd& theta, const std::vector<int>& guess,
                              const Eigen::VectorXd& precision) {
   StrictAnswer answer;
+  for (Eigen::Index i = 0; i < program_->A_theta.rows(); ++i) {
+    if (affine(-program_->b_theta[i], program_->A_theta.row(i), theta).high > 0.0) {
+      answer.verdict = StrictAnswer::Verdict::kInfeasible;
+      return answer;
+    }
+  }
   double reach = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < precision.size(); ++k) {
     if (output_length_[k] > 0.0) reach = std::min(reach, precision[k] / output_length_[k]);
   }
+  if (std::isinf(reach)) reach = 0.0;  // no z moves an output
   setParameter(theta);
   begin(guess);
   const int most = kStepsPerRow * (program_->rowCount() + 1);

@@ -35,11 +35,18 @@ class StrictQp {
   /// The program outlives the object, which may be used only if it is `definite`.
   StrictQp(const ParametricProgram& program, Convexity convexity);
 
+  /// Where its equalities hold; false of H = 0.
   bool definite() const { return definite_; }
 
-  /// `precision`: how far u may be from the optimum for each row that the answer violates, one for each input.
+  /// `precision`: how far u may be from the optimum for each row that the answer violates, one for each input. Parameters
+  /// outside of A_theta theta <= b_theta are infeasible.
   StrictAnswer solve(const Eigen::VectorXd& theta, const std::vector<int>& guess,
                      const Eigen::VectorXd& precision);
+
+  /// Without a guess, with one precision for all inputs.
+  StrictAnswer solve(const Eigen::VectorXd& theta, double precision) {
+    return solve(theta, {}, Eigen::VectorXd::Constant(program_->inputCount(), precision));
+  }
 
  private:
   using Vector = std::vector<DoubleDouble>;

@@ -26,18 +26,8 @@ std::vector<NamedFinding> findings(const VerifyReport& report) {
       {"tree_errors", "tree and test of all regions disagree", "", &report.tree_errors},
       {"empty_regions", "drawn from a region without interior", "by [scaled]", &report.empty_regions},
       {"unbounded", "feasible, cost unbounded below", "", &report.unbounded},
-      {"undecided", "undecided: oracle not accurate enough", "", &report.undecided},
+      {"undecided", "undecided: the optimum was not found", "", &report.undecided},
   };
-}
-
-const char* modeName(VerifyMode mode) {
-  switch (mode) {
-    case VerifyMode::kOutput:
-      return "output";
-    case VerifyMode::kObjective:
-      return "objective";
-  }
-  return "unknown";
 }
 
 std::vector<double> numbers(const Eigen::VectorXd& vector) {
@@ -62,22 +52,15 @@ std::string verifyText(const VerifyReport& report) {
   out << "inside the map     " << report.inside << ", infeasible " << report.infeasible << ", at the edge "
       << report.borderline << " (within " << report.edge_tolerance << " of half a range)\n";
   out << "regions hit        " << report.regions_hit << " of " << report.regions << "\n";
-  if (report.mode == VerifyMode::kOutput) {
-    out << "compared           u, at " << report.compared << " samples";
-    if (report.settled > 0) out << ", at " << report.settled << " of them in rational arithmetic";
-    out << "\n";
-  } else {
-    out << "compared           the best objective that u admits, at " << report.compared
-        << " samples: the minimiser is not unique\n";
-  }
+  out << "compared           u, at " << report.compared << " samples\n";
   out << "greatest error     " << report.max_error << ", scaled " << report.max_scaled_error << " (tolerance "
       << report.tolerance << ")";
   if (report.max_error_theta.size() > 0 && report.max_scaled_error > 0.0) {
     out << " at ";
     writeVector(out, report.max_error_theta);
+    out << ", region " << report.max_error_region;
   }
-  out << "\noracle             interior point, greatest KKT residual " << report.oracle_residual
-      << ", at most " << report.oracle_iterations << " iterations\n";
+  out << '\n';
   for (const NamedFinding& item : findings(report)) {
     out << std::left << std::setw(40) << item.sentence << std::right << item.finding->count;
     if (item.finding->count > 0) {
@@ -96,7 +79,6 @@ std::string verifyText(const VerifyReport& report) {
 std::string verifyJson(const VerifyReport& report) {
   nlohmann::ordered_json json;
   json["passed"] = report.passed();
-  json["mode"] = modeName(report.mode);
   json["seed"] = report.seed;
   json["tolerance"] = report.tolerance;
   json["edge_tolerance"] = report.edge_tolerance;
@@ -105,12 +87,12 @@ std::string verifyJson(const VerifyReport& report) {
   json["uniform"] = report.uniform;
   json["inside"] = report.inside;
   json["compared"] = report.compared;
-  json["settled_exactly"] = report.settled;
   json["infeasible"] = report.infeasible;
   json["borderline"] = report.borderline;
   json["max_error"] = report.max_error;
   json["max_scaled_error"] = report.max_scaled_error;
   json["max_error_theta"] = numbers(report.max_error_theta);
+  json["max_error_region"] = report.max_error_region;
   for (const NamedFinding& item : findings(report)) {
     auto& entry = json[item.key];
     entry["count"] = item.finding->count;
@@ -120,7 +102,6 @@ std::string verifyJson(const VerifyReport& report) {
   }
   json["regions"] = report.regions;
   json["regions_hit"] = report.regions_hit;
-  json["oracle"] = {{"residual", report.oracle_residual}, {"iterations", report.oracle_iterations}};
   json["map_status"] = report.map_status;
   json["interrupted"] = report.interrupted;
   return json.dump(2) + "\n";

@@ -1,0 +1,114 @@
+#include "verify/answer_checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyfly_base/error.hpp"
+#include "verify/exact_sample.hpp"
+#include "verify/tolerances.hpp"
+
+namespace polyfly {
+
+using Kind = SampleFinding::Kind;
+using Verdict = StrictAnswer::Verdict;
+
+AnswerChecker::AnswerChecker(const RegionMap& map, const ParametricProgram& program,
+                             const Eigen::VectorXd& ranges, const AnswerRules& rules)
+    : map_(map),
+      program_(program),
+      ranges_(ranges),
+      rules_(rules),
+      precision_(tolerance::kCheckedRow * rules.error * ranges),
+      optimum_(program, Convexity::kAsGiven) {
+  if (optimum_.definite()) return;
+  if (!program.H.isZero(0.0))
+    throw Error(program.name + ": H is neither zero nor positive definite where the equalities hold");
+  optimum_ = StrictQp(program, Convexity::kShortest);
+  feasible_.emplace(program, Convexity::kFeasibility);
+}
+
+SampleFinding AnswerChecker::check(const Eigen::VectorXd& theta) {
+  SampleFinding finding;
+  finding.u.resize(program_.inputCount());
+  finding.lookup = map_.evaluate(theta.data(), finding.u.data());
+  if (finding.lookup.status == LookupStatus::kInside) {
+    checkAnswer(theta, finding);
+  } else {
+    finding.kind = kindOfSilence(theta);
+  }
+  return finding;
+}
+
+void AnswerChecker::checkAnswer(const Eigen::VectorXd& theta, SampleFinding& finding) {
+  const RegionView region = map_.region(finding.lookup.region);
+  std::vector<int> active;
+  for (std::uint32_t i = 0; i < region.active_count; ++i) {
+    if (region.active[i] >= 0 && region.active[i] < program_.rowCount()) active.push_back(region.active[i]);
+  }
+  const StrictAnswer answer = optimum_.solve(theta, active, precision_);
+  if (answer.verdict == Verdict::kInfeasible) return decideInfeasible(theta, finding);
+  const auto compare = [&](const Eigen::VectorXd& right) {
+    finding.right = right;
+    finding.error = (finding.u - right).cwiseAbs().cwiseQuotient(ranges_).maxCoeff();
+    finding.kind = finding.error <= rules_.error ? Kind::kRight : Kind::kWrong;
+  };
+  if (answer.verdict == Verdict::kOptimal) compare(answer.u);
+  if (answer.verdict == Verdict::kUndecided) finding.kind = Kind::kUndecided;
+  if (isStrict() || finding.kind == Kind::kRight) return;
+  const ExactSample exact(program_, theta);
+  switch (exact.status()) {
+    case ExactLp::Status::kUndefined:
+      return;
+    case ExactLp::Status::kInfeasible:
+      return decideInfeasible(theta, finding);
+    case ExactLp::Status::kUnbounded:
+      finding.kind = Kind::kUnbounded;
+      return;
+    case ExactLp::Status::kOptimal:
+      return compare(exact.nearestOptimum(finding.u, ranges_));
+  }
+}
+
+void AnswerChecker::decideInfeasible(const Eigen::VectorXd& theta, SampleFinding& finding) {
+  finding.kind = isAtEdge(theta) ? Kind::kEdge : Kind::kFalseInside;
+  if (finding.kind == Kind::kFalseInside) finding.error = ExactSample(program_, theta).distanceToFeasible();
+}
+
+Kind AnswerChecker::kindOfSilence(const Eigen::VectorXd& theta) {
+  if (rules_.silence == Silence::kIgnored) return Kind::kOutside;
+  if (rules_.silence == Silence::kQuick && isInfeasible(theta)) return Kind::kOutside;
+  const ExactLp::Status status = ExactSample(program_, theta).status();
+  if (status == ExactLp::Status::kInfeasible) return Kind::kOutside;
+  if (isAtEdge(theta)) return Kind::kEdge;
+  return status == ExactLp::Status::kUnbounded ? Kind::kUnbounded : Kind::kMissed;
+}
+
+bool AnswerChecker::isInfeasible(const Eigen::VectorXd& theta) {
+  StrictQp& qp = feasible_ ? *feasible_ : optimum_;
+  return qp.solve(theta, {}, precision_).verdict == Verdict::kInfeasible;
+}
+
+// Beside a corner of the feasible set, no axis may lead there.
+bool AnswerChecker::isAtEdge(const Eigen::VectorXd& theta) {
+  const bool is_infeasible = isInfeasible(theta);
+  const auto differs = [&](const Eigen::VectorXd& at) { return isInfeasible(at) != is_infeasible; };
+  if (anyBeside(theta, program_.parameters, rules_.edge, differs)) return true;
+  return is_infeasible && ExactSample(program_, theta).distanceToFeasible() <= rules_.edge;
+}
+
+Eigen::VectorXd inputRanges(const RegionMap& map, const std::vector<Eigen::VectorXd>& samples) {
+  const auto q = static_cast<Eigen::Index>(map.inputs().size());
+  Eigen::VectorXd ranges = Eigen::VectorXd::Constant(q, tolerance::kNoOutput), u(q);
+  for (const Eigen::VectorXd& theta : samples) {
+    if (map.evaluate(theta.data(), u.data()).status == LookupStatus::kInside)
+      ranges = ranges.cwiseMax(u.cwiseAbs());
+  }
+  for (Eigen::Index k = 0; k < q; ++k) {
+    const Signal& signal = map.inputs()[static_cast<std::size_t>(k)];
+    const double range = signal.upper - signal.lower;
+    if (range > 0.0 && range < tolerance::kNoRange) ranges[k] = range;
+  }
+  return ranges;
+}
+
+}  // namespace polyfly
