@@ -5,14 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "outlier_flight.hpp"
 #include "project_root.hpp"
+#include "reference_data.hpp"
 
 namespace polyfly {
 namespace {
@@ -185,6 +191,48 @@ TEST(OdometryContradiction, AnotherFrameOfTheVelocityIsFound) {
       found += gate.check(state).contradicts ? 1 : 0;
     }
     EXPECT_GT(found, 100) << wrong;
+  }
+}
+
+/// A recorded flight: columns of roll and of the rate about x, each followed by those of the other two axes.
+struct Recorded {
+  const char* file;
+  std::size_t roll, rate;
+};
+
+// Its positions are another matter: those of the first two files have velocities of an unknown frame.
+TEST(OdometryContradiction, AttitudesOfRecordedFlightsAreNotRefused) {
+  const std::filesystem::path logs = referenceData("flight_logs");
+  if (logs.empty()) GTEST_SKIP() << "The recorded flights are not here: set POLYFLY_DATA to their folder.";
+  for (const Recorded& flight : {Recorded{"mr_asctec_pitchroll.csv", 4, 13},
+                                 {"mr_asctec_height.csv", 4, 13},
+                                 {"mr_jay_100932.csv", 6, 9}}) {
+    for (const bool has_rates : {false, true}) {
+      for (const int every : {1, 2, 5}) {  // 100, 50 and 20 Hz
+        std::ifstream file(logs / flight.file);
+        std::string line;
+        std::getline(file, line);
+        OdometryGate gate{MultirotorOptions{}};
+        for (int k = 0; std::getline(file, line); ++k) {
+          if (k % every != 0) continue;
+          std::replace(line.begin(), line.end(), ',', ' ');
+          std::istringstream text(line);
+          const std::vector<double> numbers(std::istream_iterator<double>(text), {});
+          ASSERT_GT(numbers.size(), flight.rate + 2);
+          const double* const angles = numbers.data() + flight.roll;
+          VehicleState state;
+          state.stamp = numbers.front();
+          state.attitude = Eigen::AngleAxisd(angles[2], Eigen::Vector3d::UnitZ()) *
+                           Eigen::AngleAxisd(angles[1], Eigen::Vector3d::UnitY()) *
+                           Eigen::AngleAxisd(angles[0], Eigen::Vector3d::UnitX());
+          if (has_rates)
+            state.angular_velocity = Eigen::Map<const Eigen::Vector3d>(numbers.data() + flight.rate);
+          const OdometryGate::Verdict verdict = gate.check(state);
+          ASSERT_EQ(verdict.refusal, ControlReason::kNone) << flight.file << " " << state.stamp;
+          ASSERT_FALSE(verdict.contradicts) << flight.file << " " << state.stamp;
+        }
+      }
+    }
   }
 }
 
