@@ -7,6 +7,7 @@ import sys
 import threading
 import unittest
 
+import numpy as np
 import polyfly as pf
 import run_test
 from oracles import LATERAL, ROOT
@@ -84,6 +85,15 @@ class Interruption(unittest.TestCase):
             law.verify(samples=ENDLESS, progress=stop)
         self.assertRegex(seen[0], f"[0-9]+ of {ENDLESS} samples")
         self.assertEqual(1, len(seen))
+
+    def test_solve_checks_its_answers(self):
+        seen = []
+        size = 100
+        rows = np.vstack([np.eye(size), -np.eye(size)])
+        hessian = np.eye(size) + 0.9 * np.ones((size, size)) / size
+        pf.MPQP(hessian, np.zeros(size), np.linspace(1, 3, size)[:, None], rows, np.ones(2 * size),
+                np.zeros((2 * size, 1)), [-1], [1]).solve(threads=1, progress=seen.append)
+        self.assertTrue(any(text.startswith("check: ") for text in seen), seen)
 
     def test_ctrl_c_ends_the_work(self):
         law = pf.load(LATERAL).solve()

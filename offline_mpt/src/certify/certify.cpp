@@ -245,13 +245,10 @@ double greatestDifferenceBeyondFacets(const CheckContext& context, double law_to
   double greatest_u = 0.0, greatest_change = 0.0;
   for (std::size_t k = 0; k < map.lawCount() * q; ++k) {
     const double* const row = map.law(k / q) + k % q * (p + 1);
-    double change = 0.0, constant = row[p];
-    for (std::size_t j = 0; j < p; ++j) {
-      change += std::abs(row[j]) * context.program.half[j].get_d();
-      constant += row[j] * context.program.centre[j].get_d();
-    }
+    double change = 0.0;
+    for (std::size_t j = 0; j < p; ++j) change += std::abs(row[j]) * context.program.half[j].get_d();
     greatest_change = std::max(greatest_change, change);
-    greatest_u = std::max(greatest_u, context.lawScale(k % q, Rational(change + std::abs(constant))).get_d());
+    greatest_u = std::max(greatest_u, context.lawScale(k % q, row).get_d());
   }
   return 18.0 * map.tolerance() * greatest_change + 2.0 * law_tolerance * greatest_u;
 }

@@ -77,16 +77,6 @@ std::string describeOrigin(const ExactOrigin& origin) {
   return "";
 }
 
-/// Greatest |u| of a row of a law in the box.
-Rational greatestInBox(const ExactProgram& program, const double* row) {
-  Rational constant(row[program.p]), size;
-  for (int j = 0; j < program.p; ++j) {
-    constant += Rational(row[j]) * program.centre[j];
-    size += abs(Rational(row[j]) * program.half[j]);
-  }
-  return size + abs(constant);
-}
-
 void compareLaw(const CheckContext& context, const RegionView& view, const ExactRegion& exact,
                 std::uint32_t index, RegionCheck& check) {
   const ExactProgram& program = context.program;
@@ -101,7 +91,7 @@ void compareLaw(const CheckContext& context, const RegionView& view, const Exact
       difference += abs(Rational(row[j]) * program.half[j] - wanted[j]);
     }
     difference += abs(constant - wanted[program.p]);
-    difference /= context.lawScale(static_cast<std::size_t>(i), greatestInBox(program, row));
+    difference /= context.lawScale(static_cast<std::size_t>(i), row);
     worst = std::max(worst, difference);
   }
   check.law_error = above(worst);
@@ -237,27 +227,6 @@ void refuseRepeatedRows(std::uint32_t index, RegionCheck& check) {
 }
 
 }  // namespace
-
-CheckContext::CheckContext(const RegionMap& checked, const ParametricProgram& given,
-                           const ExactProgram& exact, const CertifyOptions& chosen)
-    : map(checked), source(given), program(exact), options(chosen) {
-  for (std::size_t i = 0; i < map.inputs().size(); ++i) {
-    const Signal& input = map.inputs()[i];
-    Rational size;
-    if (std::isfinite(input.lower) && std::isfinite(input.upper)) {
-      size = Rational(input.upper) - Rational(input.lower);
-    } else {
-      for (std::size_t k = 0; k < map.lawCount(); ++k)
-        size = std::max(size,
-                        greatestInBox(program, map.law(k) + i * (static_cast<std::size_t>(program.p) + 1)));
-    }
-    input_sizes.push_back(size > 0 ? size : Rational(1));
-  }
-}
-
-Rational CheckContext::lawScale(std::size_t input, const Rational& greatest) const {
-  return std::min(std::max(Rational(1), greatest), input_sizes[input]);
-}
 
 std::string originText(const ExactOrigin& origin) {
   constexpr char kLetters[] = {'m', 'p', 's', 'd', 'b', 'x'};

@@ -66,8 +66,9 @@ struct CheckContext {
   /// Ranges of the inputs; without one, the greatest |u| of all laws in the box.
   std::vector<Rational> input_sizes;
 
-  /// What the law tolerance of an input is a share of, where `greatest` is the greatest |u| of the law in the box.
-  Rational lawScale(std::size_t input, const Rational& greatest) const;
+  /// What the law tolerance of an input is a share of: at least 1 and the greatest |u| of its law's `row` in the box, but no
+  /// more than the input's size.
+  Rational lawScale(std::size_t input, const double* row) const;
   bool stopped() const { return options.stop != nullptr && options.stop->load(); }
 };
 

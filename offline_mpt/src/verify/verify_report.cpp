@@ -70,6 +70,8 @@ std::string verifyText(const VerifyReport& report) {
     }
     out << '\n';
   }
+  out << "not covered: what lies between samples, and gaps within " << report.edge_tolerance
+      << " of the edge of the feasible set; --exact proves both\n";
   if (report.map_status != "complete") out << "the map says that it is " << report.map_status << "\n";
   if (report.interrupted) out << "stopped before the end\n";
   out << (report.passed() ? "PASSED\n" : "FAILED\n");
