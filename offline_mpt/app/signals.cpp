@@ -102,6 +102,11 @@ void endOnSignal(const std::string& message, double time_limit) {
   if (time_limit > 0.0) setAlarm(time_limit);
 }
 
+void endOnAnySignal(const std::string& message) {
+  if (stopRequested()) endNow(message);
+  endOnSignal(message);
+}
+
 void endNow(const std::string& message) {
   setLastWords(message);
   sayAndEnd(0);

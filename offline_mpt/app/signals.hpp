@@ -28,6 +28,9 @@ bool timeIsUp();
 /// threads running. `time_limit` [s]: replaces what is left of an earlier one where it is above zero.
 void endOnSignal(const std::string& message, double time_limit = 0.0);
 
+/// As endOnSignal(), also by a signal or an end of the time limit that came before.
+void endOnAnySignal(const std::string& message);
+
 /// Ends the program now as endOnSignal() does later.
 [[noreturn]] void endNow(const std::string& message);
 

@@ -121,8 +121,7 @@ void limitTree(const SolveArguments& options, const Partition& partition) {
                  checkpointOf(options).c_str(), regions.c_str());
   }
   const std::string message = unwritten + "; " + whatRemains(options, partition);
-  if (stopRequested()) endNow(message);
-  endOnSignal(message);
+  endOnAnySignal(message);
 }
 
 void checkFiles(const SolveArguments& options) {

@@ -85,8 +85,7 @@ ExitCode solveRobust(const SolveTask& task) {
                               " holds half-spaces of the feasible set; " + "continue with --resume";
   if (set.interrupted) endNow(stopped);
   writeCuts(task.checkpoint, set.facets);
-  if (stopRequested()) endNow(stopped);
-  endOnSignal(stopped);
+  endOnAnySignal(stopped);
   const double project_time = watch.lap();
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);

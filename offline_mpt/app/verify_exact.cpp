@@ -98,12 +98,6 @@ bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& p
   return true;
 }
 
-/// For work of which nothing can be kept: from now on a signal ends it, and so does one that came before.
-void endOnSignalWith(const std::string& message) {
-  if (stopRequested()) endNow(message);
-  endOnSignal(message);
-}
-
 ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
@@ -111,7 +105,7 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) {
     session.leave();
-    endOnSignalWith(options.map + ": interrupted: nothing is proven");
+    endOnAnySignal(options.map + ": interrupted: nothing is proven");
     VerifyTask task;
     task.problem = options.problem;
     task.json = options.json;
@@ -138,7 +132,7 @@ ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   }
   SafetyVerdict safety;
   if (!report.interrupted) {
-    endOnSignalWith(options.map + ": interrupted: nothing is proven");
+    endOnAnySignal(options.map + ": interrupted: nothing is proven");
     safety = verifySafety(program, examined);
     report.further_holds = safety.holds;
   }
