@@ -75,8 +75,9 @@ const char* wordsOn(Ignorance cause) {
     case Ignorance::kMissing:
       return "A part of the recording is missing there.";
     case Ignorance::kAltered:
-      return "The controller's status tells of another position or velocity than the recorded odometry: the "
-             "recording is altered there.";
+      return "The controller's status tells of another position or velocity error there: the recording is "
+             "altered, or "
+             "holds a reference a sample too late or too early.";
   }
   return "";
 }
