@@ -151,6 +151,20 @@ TEST_F(Warnings, TellALossOfTheRecording) {
   EXPECT_TRUE(has(validated(log), "The end of the recording is missing"));
 }
 
+// Odometry was silent: nothing is lost where the node noticed it.
+TEST_F(Warnings, TellAPauseThatTheNodeDidNotNotice) {
+  for (const bool noticed : {false, true}) {
+    FlightRecorder recorder(maps_.axes(), options_);
+    recorder.hold(SyntheticFlight::home());
+    for (std::size_t sample = 0; sample < 100; ++sample) recorder.fly(SyntheticFlight::state(sample));
+    if (noticed) recorder.beSilent(SyntheticFlight::state(140).stamp);
+    for (std::size_t sample = 170; sample < 300; ++sample) recorder.fly(SyntheticFlight::state(sample));
+    const ValidationReport report = validated(recorder.log());
+    EXPECT_EQ(has(report, "Nothing is recorded from 0.99 to 1.7 s"), !noticed);
+    EXPECT_EQ(report.warnings.empty(), noticed);
+  }
+}
+
 TEST_F(Warnings, TellCommandsThatAreLost) {
   const FlightLog whole = syntheticFlight(maps_.axes());
   // The controller stops, and it pauses; a record that begins before the controller is whole.
