@@ -42,7 +42,8 @@ void warnOfUnmatched(const CommandValidation& commands, std::vector<std::string>
       "stamps of both are of different clocks.");
 }
 
-// Pauses in which no topic of the flight holds anything, in seconds after the first odometry.
+// Pauses in which no topic of the flight holds anything, in seconds after the first odometry. A silence that the node
+// noticed is none.
 std::vector<TimeSpan> missingTimes(const FlightLog& log) {
   std::set<double> stamps;
   TimeSeries odometry;
@@ -50,11 +51,13 @@ std::vector<TimeSpan> missingTimes(const FlightLog& log) {
   stamps.insert(odometry.time.begin(), odometry.time.end());
   for (const FlightLog::Command& command : log.commands) stamps.insert(command.stamp);
   for (const FlightLog::Status& status : log.statuses) stamps.insert(status.stamp);
+  const std::set<double> noticed(log.silences.begin(), log.silences.end());
   const double longest = std::max(kLeastMissing, kGapPeriods * typicalPeriod(odometry, kLongestPeriod));
   std::vector<TimeSpan> missing;
   for (auto before = stamps.begin(); before != stamps.end(); ++before) {
     const auto next = std::next(before);
     if (next == stamps.end() || !(*next - *before > longest) || isFarStep(*before, *next)) continue;
+    if (noticed.count(*before) > 0 || noticed.count(*next) > 0) continue;
     missing.push_back({*before - odometry.time.front(), *next - odometry.time.front()});
   }
   return missing;
@@ -75,8 +78,9 @@ const char* wordsOn(Ignorance cause) {
     case Ignorance::kMissing:
       return "A part of the recording is missing there.";
     case Ignorance::kAltered:
-      return "The controller's status tells of another position or velocity than the recorded odometry: the "
-             "recording is altered there.";
+      return "The controller's status tells of another position or velocity error there: the recording is "
+             "altered, or "
+             "holds a reference a sample too late or too early.";
   }
   return "";
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "online_controller/estimation/odometry_gate.hpp"
 #include "synthetic_flight.hpp"
 #include "validation/validation.hpp"
 
@@ -66,7 +67,7 @@ TEST_F(Warnings, TellATwistInTheWorldsFrame) {
       state.attitude = Eigen::AngleAxisd(turned + 1.5707963, Eigen::Vector3d::UnitZ());
       state.velocity = of_world ? state.attitude * velocity : velocity;
     }
-    EXPECT_EQ(has(validated(log), "its twist must be in the body's frame, in m/s"), of_world);
+    EXPECT_EQ(has(validated(log), kContradictionSentence), of_world);
   }
 }
 
@@ -148,6 +149,20 @@ TEST_F(Warnings, TellALossOfTheRecording) {
   EXPECT_EQ(validated(log).verdict(), Verdict::kDoubtful);
   log.share->messages.recorded.reset();
   EXPECT_TRUE(has(validated(log), "The end of the recording is missing"));
+}
+
+// Odometry was silent: nothing is lost where the node noticed it.
+TEST_F(Warnings, TellAPauseThatTheNodeDidNotNotice) {
+  for (const bool noticed : {false, true}) {
+    FlightRecorder recorder(maps_.axes(), options_);
+    recorder.hold(SyntheticFlight::home());
+    for (std::size_t sample = 0; sample < 100; ++sample) recorder.fly(SyntheticFlight::state(sample));
+    if (noticed) recorder.beSilent(SyntheticFlight::state(140).stamp);
+    for (std::size_t sample = 170; sample < 300; ++sample) recorder.fly(SyntheticFlight::state(sample));
+    const ValidationReport report = validated(recorder.log());
+    EXPECT_EQ(has(report, "Nothing is recorded from 0.99 to 1.7 s"), !noticed);
+    EXPECT_EQ(report.warnings.empty(), noticed);
+  }
 }
 
 TEST_F(Warnings, TellCommandsThatAreLost) {
