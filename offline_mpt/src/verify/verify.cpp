@@ -17,6 +17,8 @@
 namespace polyfly {
 namespace {
 
+using Kind = SampleFinding::Kind;
+
 constexpr std::uint64_t kBlock = 256;   // samples drawn from one generator, checked by one thread
 constexpr std::uint64_t kRound = 4096;  // blocks whose reports are kept in memory at a time
 
@@ -101,7 +103,6 @@ class Checker {
 
  private:
   void checkSample(const Eigen::VectorXd& theta, VerifyReport& report) {
-    using Kind = SampleFinding::Kind;
     const SampleFinding finding = checker_.check(theta);
     if (finding.lookup.status == LookupStatus::kInside) {
       ++report.inside;
