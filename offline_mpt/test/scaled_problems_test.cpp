@@ -15,12 +15,14 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "offline_mpt/verify.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kRight = 1e-6;  // of the input's range
+constexpr int kSamples = 300;
 
 BoundedTracking scalarPlant(double a, double b, int horizon, std::vector<double> terminal) {
   BoundedTracking plant;
@@ -34,7 +36,7 @@ BoundedTracking scalarPlant(double a, double b, int horizon, std::vector<double>
   return plant;
 }
 
-/// Why the problem is refused; empty where map and online law are right at some states.
+/// Why the problem is refused; empty where map and online law are right at some states. Samples and proof then agree.
 std::string refusalOrRight(const BoundedTracking& plant) {
   ParametricProgram program;
   try {
@@ -46,6 +48,12 @@ std::string refusalOrRight(const BoundedTracking& plant) {
   EXPECT_EQ(partition.status, ExploreStatus::kComplete) << plant.text();
   if (partition.status != ExploreStatus::kComplete) return "";
   const MapInMemory map(encode(program, partition));
+  VerifyOptions sampling;
+  sampling.samples = kSamples;
+  const VerifyReport sampled = verify(map.map(), program, sampling);
+  EXPECT_TRUE(sampled.passed()) << plant.text() << verifyText(sampled);
+  const CertifyReport proof = certify(map.map(), program);
+  EXPECT_TRUE(proof.passed()) << plant.text() << certifyText(proof);
   OnlineProgram online(program);
   std::mt19937 random(1);
   for (int k = 0; k < 5; ++k) {

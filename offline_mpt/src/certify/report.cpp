@@ -100,8 +100,9 @@ std::string certifyText(const CertifyReport& report) {
   std::ostringstream text;
   writeStatement(report, text);
   if (report.passed())
-    text << "  not covered: by how much u of a look-up is off within the map's tolerance beyond "
-         << (report.beyond_facet > 0.0 ? "several facets at once" : "facets") << "; --samples tries it\n";
+    text << "  not covered: where a look-up answers within the map's tolerance beyond "
+         << (report.beyond_facet > 0.0 ? "several facets at once" : "facets")
+         << ", how far u is off and theta is outside of the feasible set; --samples tries it\n";
   if (!report.defects.empty()) text << "  defects " << report.defects.size() << "\n";
   const auto unbounded = std::find_if(report.defects.begin(), report.defects.end(), [](const Defect& defect) {
     return defect.kind == Defect::Kind::kUnbounded;

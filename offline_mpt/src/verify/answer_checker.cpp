@@ -46,15 +46,15 @@ void AnswerChecker::checkAnswer(const Eigen::VectorXd& theta, SampleFinding& fin
     if (region.active[i] >= 0 && region.active[i] < program_.rowCount()) active.push_back(region.active[i]);
   }
   const StrictAnswer answer = optimum_.solve(theta, active, precision_);
-  if (answer.verdict == Verdict::kInfeasible) return decideInfeasible(theta, finding);
   const auto compare = [&](const Eigen::VectorXd& right) {
     finding.right = right;
     finding.error = (finding.u - right).cwiseAbs().cwiseQuotient(ranges_).maxCoeff();
     finding.kind = finding.error <= rules_.error ? Kind::kRight : Kind::kWrong;
   };
+  finding.kind = Kind::kUndecided;
   if (answer.verdict == Verdict::kOptimal) compare(answer.u);
-  if (answer.verdict == Verdict::kUndecided) finding.kind = Kind::kUndecided;
-  if (isStrict() || finding.kind == Kind::kRight) return;
+  const bool has_none = answer.verdict == Verdict::kInfeasible;
+  if (finding.kind == Kind::kRight || (isStrict() && !has_none)) return;
   const ExactSample exact(program_, theta);
   switch (exact.status()) {
     case ExactLp::Status::kUndefined:
@@ -65,7 +65,8 @@ void AnswerChecker::checkAnswer(const Eigen::VectorXd& theta, SampleFinding& fin
       finding.kind = Kind::kUnbounded;
       return;
     case ExactLp::Status::kOptimal:
-      return compare(exact.nearestOptimum(finding.u, ranges_));
+      if (!isStrict()) compare(exact.nearestOptimum(finding.u, ranges_));
+      return;
   }
 }
 

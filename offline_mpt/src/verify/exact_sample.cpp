@@ -111,7 +111,7 @@ Eigen::VectorXd ExactSample::nearestOptimum(const Eigen::VectorXd& u, const Eige
   const Rational least = lp.objective();
   Rational size;
   for (int j = 0; j < n; ++j) size += abs(valueAt(program_.F, program_.f, j) * lp.primal(j));
-  lp.setRowBounds(optimal, Bound::kUpper, 0, least + Rational(tolerance::kSameCost) * size);
+  lp.setRowBounds(optimal, Bound::kUpper, 0, least + Rational(tolerance::kTiedCost) * size);
   for (int j = 0; j < n; ++j) {
     lp.setCoefficient(optimal, j, valueAt(program_.F, program_.f, j));
     lp.setObjective(j, 0);

@@ -235,7 +235,7 @@ int StrictQp::mostViolated(double reach) {
       terms += std::abs(term.high);
     }
     const double size = isEquality(i) ? std::abs(excess.high) : excess.high;
-    if (!(size > tolerance::kNoExcess * terms)) continue;
+    if (!(size > tolerance::kRoundedExcess * terms)) continue;
     row(i);
     const double distance = size / std::sqrt(squared_[static_cast<std::size_t>(i)]);
     if (distance > std::max(reach, greatest)) {

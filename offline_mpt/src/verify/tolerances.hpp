@@ -28,13 +28,13 @@ constexpr double kRankOfSquares = 1e-24;
 constexpr double kNoShare = 1e-16;
 
 /// A row is violated by a smaller share of its terms only by rounding of 32 digits.
-constexpr double kNoExcess = 1e-22;
+constexpr double kRoundedExcess = 1e-22;
 
 /// Multiple of the identity that makes a cost strictly convex, as a share of the greatest entry of H.
 constexpr double kRegularisedHessian = 1e-14;
 
 /// Costs that differ by a smaller share of their greatest terms are the same.
-constexpr double kSameCost = 1e-12;
+constexpr double kTiedCost = 1e-12;
 
 /// Greatest error of u that the check of `solve` accepts, as a share of the input's range.
 constexpr double kCheckedError = 1e-6;
