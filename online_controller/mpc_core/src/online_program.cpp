@@ -1,6 +1,7 @@
 #include "mpc_core/online_program.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -31,6 +32,33 @@ int generalRows(const ParametricProgram& program) {
   return count;
 }
 
+/// Units of the variables, powers of two: the solver's tolerances are for numbers about 1. A variable has the size of its
+/// greatest bound; where that is ordinary, or there is none, its unit stays.
+Eigen::VectorXd unitsOf(const ParametricProgram& program) {
+  constexpr double kOrdinary = 1024.0;
+  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(program.variableCount());
+  for (Eigen::Index i = 0; i < program.A.rows(); ++i) {
+    const int variable = singleEntry(program.A, i);
+    if (variable < 0) continue;
+    sizes(variable) = std::max(sizes(variable), std::abs(program.b(i) / program.A(i, variable)));
+  }
+  return sizes.unaryExpr([](double size) {
+    const bool is_ordinary =
+        !(size > 0.0 && std::isfinite(size)) || (size < kOrdinary && size > 1.0 / kOrdinary);
+    return is_ordinary ? 1.0 : std::ldexp(1.0, std::ilogb(size));
+  });
+}
+
+/// The program of z / units.
+ParametricProgram inUnits(ParametricProgram program, const Eigen::VectorXd& units) {
+  program.H = units.asDiagonal() * program.H * units.asDiagonal();
+  program.f = units.cwiseProduct(program.f).eval();
+  program.F = units.asDiagonal() * program.F;
+  program.A = program.A * units.asDiagonal();
+  program.E = program.E * units.asDiagonal();
+  return program;
+}
+
 }  // namespace
 
 std::optional<OnlineProgram::Transformed> OnlineProgram::transform(const ParametricProgram& program) {
@@ -47,40 +75,42 @@ std::optional<OnlineProgram::Transformed> OnlineProgram::transform(const Paramet
 
 OnlineProgram::OnlineProgram(ParametricProgram program)
     : program_(std::move(program)),
-      transformed_(transform(program_)),
-      qp_(program_.variableCount(), transformed_ ? program_.rowCount() : generalRows(program_)) {
+      units_(unitsOf(program_)),
+      scaled_(inUnits(program_, units_)),
+      transformed_(transform(scaled_)),
+      qp_(scaled_.variableCount(), transformed_ ? scaled_.rowCount() : generalRows(scaled_)) {
   const Eigen::MatrixXd identity =
-      Eigen::MatrixXd::Identity(program_.variableCount(), program_.variableCount());
-  if (!qp_.setConstantHessian((transformed_ ? identity : program_.H).data()))
-    throw Error(program_.name + ": H: must be positive definite to be solved online");
-  is_equality_.assign(static_cast<std::size_t>(program_.rowCount()), 0);
-  for (const int row : program_.equalities) is_equality_.at(static_cast<std::size_t>(row)) = 1;
+      Eigen::MatrixXd::Identity(scaled_.variableCount(), scaled_.variableCount());
+  if (!qp_.setConstantHessian((transformed_ ? identity : scaled_.H).data()))
+    throw Error(scaled_.name + ": H: must be positive definite to be solved online");
+  is_equality_.assign(static_cast<std::size_t>(scaled_.rowCount()), 0);
+  for (const int row : scaled_.equalities) is_equality_.at(static_cast<std::size_t>(row)) = 1;
   sortRows();
-  g_ = Eigen::VectorXd::Zero(program_.variableCount());
-  lower_ = upper_ = g_;
-  b_ = Eigen::VectorXd::Zero(program_.rowCount());
+  g_ = Eigen::VectorXd::Zero(scaled_.variableCount());
+  lower_ = upper_ = more_ = g_;
+  b_ = Eigen::VectorXd::Zero(scaled_.rowCount());
   z_ = g_;
-  affine_ = Eigen::VectorXd::Ones(program_.parameterCount() + 1);
+  affine_ = Eigen::VectorXd::Ones(scaled_.parameterCount() + 1);
   row_lower_ = row_upper_ = Eigen::VectorXd::Zero(qp_.rowCount());
 }
 
 void OnlineProgram::sortRows() {
-  for (Eigen::Index j = 0; j < program_.S.cols(); ++j)
-    if (!program_.S.col(j).isZero(0.0)) moving_.push_back(j);
+  for (Eigen::Index j = 0; j < scaled_.S.cols(); ++j)
+    if (!scaled_.S.col(j).isZero(0.0)) moving_.push_back(j);
   if (transformed_) {
     qp_.setRows(transformed_->rows.data());
     return;
   }
-  Eigen::MatrixXd general(qp_.rowCount(), program_.variableCount());
-  for (int i = 0; i < program_.rowCount(); ++i) {
-    const int variable = singleEntry(program_.A, i);
+  Eigen::MatrixXd general(qp_.rowCount(), scaled_.variableCount());
+  for (int i = 0; i < scaled_.rowCount(); ++i) {
+    const int variable = singleEntry(scaled_.A, i);
     if (variable >= 0) {
-      const double entry = program_.A(i, variable);
+      const double entry = scaled_.A(i, variable);
       const bool equality = is_equality_[static_cast<std::size_t>(i)] != 0;
       if (entry > 0.0 || equality) upper_bounds_.push_back({i, variable, 1.0 / entry});
       if (entry < 0.0 || equality) lower_bounds_.push_back({i, variable, 1.0 / entry});
     } else {
-      general.row(static_cast<Eigen::Index>(rows_.size())) = program_.A.row(i);
+      general.row(static_cast<Eigen::Index>(rows_.size())) = scaled_.A.row(i);
       rows_.push_back(i);
     }
   }
@@ -88,8 +118,8 @@ void OnlineProgram::sortRows() {
 }
 
 void OnlineProgram::setBounds(const double* theta) noexcept {
-  b_ = program_.b;
-  for (const Eigen::Index j : moving_) b_ += theta[j] * program_.S.col(j);
+  b_ = scaled_.b;
+  for (const Eigen::Index j : moving_) b_ += theta[j] * scaled_.S.col(j);
   lower_.setConstant(-kNoBound);
   upper_.setConstant(kNoBound);
   for (const Bound& bound : upper_bounds_)
@@ -106,42 +136,45 @@ void OnlineProgram::setBounds(const double* theta) noexcept {
 
 QpStatus OnlineProgram::solveGiven(const double* theta, const double* more) noexcept {
   setBounds(theta);
-  g_ = program_.f;
-  g_.noalias() += program_.F * affine_.head(program_.parameterCount());
-  if (more != nullptr) g_ += Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
+  g_ = scaled_.f;
+  g_.noalias() += scaled_.F * affine_.head(scaled_.parameterCount());
+  if (more != nullptr) g_ += Eigen::Map<const Eigen::VectorXd>(more, scaled_.variableCount());
   const QpStatus status =
       qp_.solve({g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()},
                 warm_ ? qp_.activeSet() : nullptr);
-  if (status == QpStatus::kOptimal) z_ = Eigen::Map<const Eigen::VectorXd>(qp_.x(), program_.variableCount());
+  if (status == QpStatus::kOptimal) z_ = Eigen::Map<const Eigen::VectorXd>(qp_.x(), scaled_.variableCount());
   return status;
 }
 
 QpStatus OnlineProgram::solveTransformed(const double* more) noexcept {
   row_upper_.noalias() = transformed_->slack * affine_;
   row_lower_.setConstant(-kNoBound);
-  for (const int row : program_.equalities) row_lower_(row) = row_upper_(row);
+  for (const int row : scaled_.equalities) row_lower_(row) = row_upper_(row);
   lower_.setConstant(-kNoBound);
   upper_.setConstant(kNoBound);
   g_.setZero();
   if (more != nullptr)
     g_.noalias() +=
-        transformed_->inverse_root * Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
+        transformed_->inverse_root * Eigen::Map<const Eigen::VectorXd>(more, scaled_.variableCount());
   const QpStatus status =
       qp_.solve({g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()},
                 warm_ ? qp_.activeSet() : nullptr);
   if (status != QpStatus::kOptimal) return status;
   z_.noalias() = transformed_->free * affine_;
   z_.noalias() += transformed_->inverse_root.transpose() *
-                  Eigen::Map<const Eigen::VectorXd>(qp_.x(), program_.variableCount());
+                  Eigen::Map<const Eigen::VectorXd>(qp_.x(), scaled_.variableCount());
   return status;
 }
 
 QpStatus OnlineProgram::solve(const double* theta, double* u, const double* more) noexcept {
   const Eigen::Index p = program_.parameterCount();
   affine_.head(p) = Eigen::Map<const Eigen::VectorXd>(theta, p);
-  const QpStatus status = transformed_ ? solveTransformed(more) : solveGiven(theta, more);
+  if (more != nullptr) more_ = units_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(more, units_.size()));
+  const double* const added = more != nullptr ? more_.data() : nullptr;
+  const QpStatus status = transformed_ ? solveTransformed(added) : solveGiven(theta, added);
   warm_ = status == QpStatus::kOptimal;
   if (!warm_) return status;
+  z_.array() *= units_.array();
   Eigen::Map<Eigen::VectorXd> output(u, program_.inputCount());
   output = program_.c;
   output.noalias() += program_.E * z_;

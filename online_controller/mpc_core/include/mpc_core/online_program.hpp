@@ -56,6 +56,9 @@ class OnlineProgram {
   QpStatus solveGiven(const double* theta, const double* more) noexcept;
 
   ParametricProgram program_;
+  // Of the variables. What follows is about the program of z / units_.
+  Eigen::VectorXd units_;
+  ParametricProgram scaled_;
   std::optional<Transformed> transformed_;
   // Rows that bound one variable; an equality is in both.
   std::vector<Bound> lower_bounds_, upper_bounds_;
@@ -65,7 +68,7 @@ class OnlineProgram {
   std::vector<int> rows_;
   std::vector<char> is_equality_;
   BoundedQp qp_;
-  Eigen::VectorXd g_, b_, lower_, upper_, row_lower_, row_upper_;
+  Eigen::VectorXd g_, more_, b_, lower_, upper_, row_lower_, row_upper_;
   Eigen::VectorXd affine_;  // (theta, 1)
   Eigen::VectorXd z_;
   bool warm_ = false;
