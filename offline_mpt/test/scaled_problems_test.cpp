@@ -120,6 +120,40 @@ TEST(UnstablePlant, HasTheGainOfTheScalarRiccatiEquation) {
   }
 }
 
+// Nine rows that meet in a vertex of eight variables, nearly dependent: by rounding the ninth was independent.
+TEST(NearlyDependentRows, LeaveNoHoleBesideAVertex) {
+  const ParametricProgram program = condense(parseProblem(R"(polyfly_problem: 1
+name: vertex
+type: tracking_mpc
+model:
+  time: discrete
+  states: [{name: x0, unit: m}, {name: x1, unit: m}, {name: x2, unit: m}, {name: x3, unit: m}]
+  inputs: [{name: u, unit: m, range: [-10.417496282661201, 10.417496282661201]}]
+  A: [[-0.08394918799526609, -129.25449761997362, 84.89304325850003, 2.7813754882924573], [0.0013579581063316456, 0.062492066569457716, 0.10854658551069638, 7.491683092290917e-05], [-0.003972074845599453, 0.33272793816722296, -0.42000531066915303, -0.01998180410031761], [-0.17828940538493032, 24.479589036749356, -33.394542928443784, -1.0257194196710975]]
+  B: [[7.452650920042332], [0.0071153330248092525], [-0.05526445670841369], [0.2722409018256179]]
+  C: [[0.008547906525372332, 0, 0, 0]]
+sampling_time: 1
+horizon: 8
+weights:
+  Q: [0.015285801708992392, 43.10794010247352, 0.003323836455539687, 4.866152588987735]
+  R: [0.00047755274057202]
+  terminal: [204.71116793246316, 2273.4860472986275, 22.413927513479766, 3206156.9449372045]
+constraints:
+  - {of: x0, range: [-69.69783528207357, 84.06345634864483]}
+parameters:
+  - {name: e0, role: error, of: x0, unit: m, range: [-116.98770886552737, 116.98770886552737]}
+  - {name: e1, role: error, of: x1, unit: m, range: [-0.37816302074585245, 0.37816302074585245]}
+  - {name: e2, role: error, of: x2, unit: m, range: [-0.7193476662120174, 0.7193476662120174]}
+  - {name: e3, role: error, of: x3, unit: m, range: [-34.72610190152257, 34.72610190152257]}
+)",
+                                                          "vertex.yaml"));
+  const Partition partition = explore(program);
+  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+  const MapInMemory map(encode(program, partition));
+  const CertifyReport report = certify(map.map(), program);
+  EXPECT_TRUE(report.passed()) << certifyText(report);
+}
+
 BoundedTracking randomPlant(unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double lower, double upper) {

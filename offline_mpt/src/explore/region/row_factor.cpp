@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "explore/region/tolerances.hpp"
+#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 
@@ -112,13 +113,25 @@ void RowFactor::findWeights(const ActiveSet& active, int row, double& squared) {
   }
 }
 
+// From the rows themselves: products of rows only keep the squares of their distances.
+void RowFactor::refineWeights(const ActiveSet& active, int row) {
+  Eigen::MatrixXd rows(program_.n, static_cast<Eigen::Index>(active.size()));
+  for (std::size_t r = 0; r < active.size(); ++r)
+    rows.col(static_cast<Eigen::Index>(r)) = program_.M.row(active[r]);
+  const Eigen::VectorXd weights = PivotedQr(rows, 0.0).solve(Eigen::VectorXd(program_.M.row(row)));
+  weights_.assign(weights.data(), weights.data() + weights.size());
+}
+
 bool RowFactor::depends(const ActiveSet& active, int row, bool is_sound) {
   const std::size_t k = active.size(), n = tables_.n;
   double squared = 0.0;
   findWeights(active, row, squared);
+  // As many independent rows as variables span all there is, whatever rounding says.
+  if (k == n) {
+    if (!is_sound || pivot_ < tolerance::kSoundPivot) refineWeights(active, row);
+    return true;
+  }
   if (squared > tolerance::kSafePivot) return false;
-  // As many independent rows as variables span all there is.
-  if (k == n && is_sound && pivot_ >= tolerance::kSoundPivot) return true;
   column_.assign(tables_.normal(row), tables_.normal(row) + n);
   for (std::size_t r = 0; r < k; ++r) {
     const double* other = tables_.normal(active[r]);

@@ -46,6 +46,7 @@ class RowFactor {
  private:
   bool factoriseRows(const ActiveSet& active);
   void findWeights(const ActiveSet& active, int row, double& squared);
+  void refineWeights(const ActiveSet& active, int row);
 
   const NormalisedProgram& program_;
   const RowTables& tables_;
