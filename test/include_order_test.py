@@ -64,7 +64,7 @@ PACKAGES = {
                                "identification", "offline_mpt", "robust_mpc", "explorer_content", "validation"},
     "calibration/validation/ros": {"polyfly_base", "polyfly_ros", "command_line", "region_maps", "online_controller",
                                    "online_controller_ros", "bags", "robust_mpc", "validation", "validation_ros"},
-    "calibration/app": {"polyfly_base", "command_line", "mpc_core", "online_controller", "fixedwing_lateral",
+    "calibration/app": {"polyfly_base", "bags", "command_line", "mpc_core", "online_controller", "fixedwing_lateral",
                         "identification", "autopilot", "validation"},
 }
 LIBRARIES = set.union(*PACKAGES.values())
