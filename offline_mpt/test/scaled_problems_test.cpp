@@ -154,6 +154,42 @@ parameters:
   EXPECT_TRUE(report.passed()) << certifyText(report);
 }
 
+/// Two masses between walls and each other, moved by a force: regions of four parameters that touch in many ways.
+constexpr char kChain[] = R"(polyfly_problem: 1
+name: chain
+type: tracking_mpc
+model:
+  states: [{name: p0, unit: m}, {name: p1, unit: m}, {name: v0, unit: m/s}, {name: v1, unit: m/s}]
+  inputs: [{name: u, unit: N, range: [-0.5, 0.5]}]
+  A: [[0, 0, 1, 0], [0, 0, 0, 1], [-2, 1, 0, 0], [1, -2, 0, 0]]
+  B: [[0], [0], [1], [0]]
+  C: [[0, 1, 0, 0]]
+sampling_time: 0.5
+horizon: 5
+weights: {Q: [1, 1, 1, 1], R: [1]}
+constraints:
+  - {of: p0, range: [-4, 4]}
+  - {of: p1, range: [-4, 4]}
+parameters:
+  - {name: e_p0, role: error, of: p0, unit: m, range: [-4, 4]}
+  - {name: e_p1, role: error, of: p1, unit: m, range: [-4, 4]}
+  - {name: e_v0, role: error, of: v0, unit: m/s, range: [-4, 4]}
+  - {name: e_v1, role: error, of: v1, unit: m/s, range: [-4, 4]}
+)";
+
+// As the reference problem mass_spring4_N5, where that is absent.
+TEST(Chain, IsProvenAndItsSamplesPass) {
+  const ParametricProgram program = condense(parseProblem(kChain, "chain.yaml"));
+  const Partition partition = explore(program);
+  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+  EXPECT_GT(partition.regions.size(), 400U);
+  const MapInMemory map(encode(program, partition));
+  const CertifyReport proof = certify(map.map(), program);
+  EXPECT_TRUE(proof.passed()) << certifyText(proof);
+  const VerifyReport samples = verify(map.map(), program, {});
+  EXPECT_TRUE(samples.passed()) << verifyText(samples);
+}
+
 BoundedTracking randomPlant(unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double lower, double upper) {
