@@ -162,9 +162,9 @@ TEST(Excitation, badPlansAreRefusedByFileFieldAndRule) {
             std::string::npos);
   EXPECT_NE(errorOf("manoeuvres: [{shape: doublet, channels: roll, amplitudes: 5}]\n").find("up to 0.8 rad"),
             std::string::npos);
-  EXPECT_NE(errorOf("manoeuvres: [{shape: doublet, channels: roll, amplitudes: .nan}]\n")
-                .find("must be a number"),
-            std::string::npos);
+  EXPECT_NE(
+      errorOf("manoeuvres: [{shape: doublet, channels: roll, amplitudes: .nan}]\n").find("must be a number"),
+      std::string::npos);
   EXPECT_NE(
       errorOf("manoeuvres: [{shape: doublet, channels: yaw, amplitudes: 0.1}]\n").find("'yaw' is none of"),
       std::string::npos);

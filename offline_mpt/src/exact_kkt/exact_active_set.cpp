@@ -54,8 +54,7 @@ class DualSteps {
     for (;;) {
       const std::vector<Rational> change = changeBy(row);
       Rational slope;
-      for (int i = 0; i < program_.n; ++i)
-        slope += program_.A(row, i) * change[static_cast<std::size_t>(i)];
+      for (int i = 0; i < program_.n; ++i) slope += program_.A(row, i) * change[static_cast<std::size_t>(i)];
       const bool can_hold = slope > 0;
       Rational step = can_hold ? Rational(-slack(row) / slope) : Rational();
       std::size_t leaving = active_.size();

@@ -246,8 +246,8 @@ TEST(InlineAnswer, NothingIsSerialisedWithinAProcess) {
 // The counter of the test above counts.
 TEST(InlineAnswer, ACommandFromBytesIsCounted) {
   ros::SubscribeOptions subscriber;
-  subscriber.init<mav_msgs::RollPitchYawrateThrust>(
-      "command", 1, [](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) {});
+  subscriber.init<mav_msgs::RollPitchYawrateThrust>("command", 1,
+                                                    [](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) {});
   const ros::SerializedMessage bytes =
       ros::serialization::serializeMessage(mav_msgs::RollPitchYawrateThrust());
   ros::SubscriptionCallbackHelperDeserializeParams parameters;
@@ -357,7 +357,8 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "inline_answer_test");
   if (!ros::master::check()) {
-    std::cerr << "inline_answer_test: no ROS master answers at " << ros::master::getURI() << "; rostest starts one\n";
+    std::cerr << "inline_answer_test: no ROS master answers at " << ros::master::getURI()
+              << "; rostest starts one\n";
     return 1;
   }
   if (argc > 1) return polyfly_ros::publishOdometry(argv[1]);

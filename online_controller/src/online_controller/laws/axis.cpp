@@ -126,7 +126,8 @@ AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
 
 AxisTarget Axis::undisturbedGoal(const AxisReference& reference) const noexcept {
   if (!has_input_reference_) return {};
-  return target(reference, -dragCoefficient() * reference.velocity, -dragCoefficient() * reference.acceleration);
+  return target(reference, -dragCoefficient() * reference.velocity,
+                -dragCoefficient() * reference.acceleration);
 }
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,

@@ -230,8 +230,7 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
     const double velocity = followed_.velocity(static_cast<Eigen::Index>(i));
     axes_[i].observe(measured.axes[i], applied_[i], periods, flown ? std::optional(velocity) : std::nullopt);
   }
-  trim_.update(measured.tilt, report_.command, periods,
-               flown ? std::optional(followed_.tilt) : std::nullopt);
+  trim_.update(measured.tilt, report_.command, periods, flown ? std::optional(followed_.tilt) : std::nullopt);
   followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
