@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 #include <limits>
 #include <memory>
-#include <sstream>
-#include <string>
 #include <utility>
-#include <vector>
 
+#include "identification/csv_log.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "outlier_flight.hpp"
@@ -194,39 +191,36 @@ TEST(OdometryContradiction, AnotherFrameOfTheVelocityIsFound) {
   }
 }
 
-/// A recorded flight: columns of roll and of the rate about x, each followed by those of the other two axes.
+/// A recorded flight, with its columns of roll, pitch, yaw, and of the body rates.
 struct Recorded {
   const char* file;
-  std::size_t roll, rate;
+  std::array<const char*, 3> angles, rates;
 };
 
 // Its positions are another matter: those of the first two files have velocities of an unknown frame.
 TEST(OdometryContradiction, AttitudesOfRecordedFlightsAreNotRefused) {
   const std::filesystem::path logs = referenceData("flight_logs");
   if (logs.empty()) GTEST_SKIP() << "The recorded flights are not here: set POLYFLY_DATA to their folder.";
-  for (const Recorded& flight : {Recorded{"mr_asctec_pitchroll.csv", 4, 13},
-                                 {"mr_asctec_height.csv", 4, 13},
-                                 {"mr_jay_100932.csv", 6, 9}}) {
+  const std::array<const char*, 3> vicon{"roll_vicon_rad", "pitch_vicon_rad", "yaw_vicon_rad"},
+      rates{"wx_radps", "wy_radps", "wz_radps"};
+  for (const Recorded& flight : {Recorded{"mr_asctec_pitchroll.csv", vicon, rates},
+                                 {"mr_asctec_height.csv", vicon, rates},
+                                 {"mr_jay_100932.csv",
+                                  {"roll_imu_rad", "pitch_imu_rad", "yaw_imu_rad"},
+                                  {"gx_radps", "gy_radps", "gz_radps"}}}) {
+    const CsvLog log = readCsv(logs / flight.file);
     for (const bool has_rates : {false, true}) {
-      for (const int every : {1, 2, 5}) {  // 100, 50 and 20 Hz
-        std::ifstream file(logs / flight.file);
-        std::string line;
-        std::getline(file, line);
+      for (const std::size_t every : {1U, 2U, 5U}) {  // 100, 50 and 20 Hz
         OdometryGate gate{MultirotorOptions{}};
-        for (int k = 0; std::getline(file, line); ++k) {
-          if (k % every != 0) continue;
-          std::replace(line.begin(), line.end(), ',', ' ');
-          std::istringstream text(line);
-          const std::vector<double> numbers(std::istream_iterator<double>(text), {});
-          ASSERT_GT(numbers.size(), flight.rate + 2);
-          const double* const angles = numbers.data() + flight.roll;
+        for (std::size_t k = 0; k < log.rows; k += every) {
+          const auto at = [&](const char* column) { return log.column(column)[k]; };
           VehicleState state;
-          state.stamp = numbers.front();
-          state.attitude = Eigen::AngleAxisd(angles[2], Eigen::Vector3d::UnitZ()) *
-                           Eigen::AngleAxisd(angles[1], Eigen::Vector3d::UnitY()) *
-                           Eigen::AngleAxisd(angles[0], Eigen::Vector3d::UnitX());
+          state.stamp = at("t_s");
+          state.attitude = Eigen::AngleAxisd(at(flight.angles[2]), Eigen::Vector3d::UnitZ()) *
+                           Eigen::AngleAxisd(at(flight.angles[1]), Eigen::Vector3d::UnitY()) *
+                           Eigen::AngleAxisd(at(flight.angles[0]), Eigen::Vector3d::UnitX());
           if (has_rates)
-            state.angular_velocity = Eigen::Map<const Eigen::Vector3d>(numbers.data() + flight.rate);
+            state.angular_velocity = {at(flight.rates[0]), at(flight.rates[1]), at(flight.rates[2])};
           const OdometryGate::Verdict verdict = gate.check(state);
           ASSERT_EQ(verdict.refusal, ControlReason::kNone) << flight.file << " " << state.stamp;
           ASSERT_FALSE(verdict.contradicts) << flight.file << " " << state.stamp;
