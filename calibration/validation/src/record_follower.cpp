@@ -67,7 +67,7 @@ RecordFollower::RecordFollower(const FlightLog& log, const AxisMaps& maps, doubl
     if (stamps.count(stamp) == 0 && silences_.count(stamp) == 0) alone_.insert(stamp);
   }
   longest_ = kHolePeriods * typicalPeriod(odometry, kLongestPeriod);
-  // A status tells how many commands there were before.
+  // A status tells how many there were before.
   may_begin_late_ = log.statuses.empty() || log.statuses.front().sequence > 0;
 }
 

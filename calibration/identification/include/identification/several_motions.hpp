@@ -9,7 +9,7 @@ namespace polyfly {
 /// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
 TimeWindow spanOf(const FlightSignals& flight);
 
-/// Goes on with the next piece of a recording. Its units must have been settled as those of the piece before.
+/// Goes on with the next piece of a recording. Its units must have been found as those of the piece before.
 void append(FlightSignals piece, FlightSignals* recording);
 
 /// Several flights on one clock: the first begins at 0 s, the others follow with pauses. Holds the signals

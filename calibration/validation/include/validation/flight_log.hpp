@@ -46,7 +46,7 @@ struct FlightLog {
   struct Status {
     /// Stamp of the odometry [s].
     double stamp = 0.0;
-    /// Number of commands that were sent before this step.
+    /// Number of steps before this one.
     std::uint32_t sequence = 0;
     ControlStatus status = ControlStatus::kNoReference;
     ControlReason reason = ControlReason::kNoReference;
