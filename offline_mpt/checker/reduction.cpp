@@ -125,10 +125,8 @@ Fraction Reduction::scaleOf(std::size_t input) const {
   }
   if (scale > 0) return scale;
   for (std::size_t at = input * (p + 1); at < original_map_.laws.size(); at += q * (p + 1)) {
-    const double* row = original_map_.laws.data() + at;
-    Fraction sum;
-    for (const Fraction& entry : reduced_.scaling().inBox(row, 1, Fraction(row[p]))) sum += abs(entry);
-    scale = std::max(scale, std::min(Fraction(1), sum));
+    const Fraction greatest = reduced_.scaling().greatestInBox(original_map_.laws.data() + at);
+    scale = std::max(scale, std::min(Fraction(1), greatest));
   }
   return scale > 0 ? scale : Fraction(1);
 }

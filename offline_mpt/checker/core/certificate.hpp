@@ -127,7 +127,6 @@ class Certificate {
   const Region& checkedRegion(std::size_t index) const;
 
   // 3, laws: laws.cpp.
-  Fraction greatestInBox(const double* row) const;
   Fraction sizeOf(std::size_t input) const;
   void checkLaw(std::size_t index, const Region& region) const;
 

@@ -6,13 +6,6 @@
 
 namespace checker {
 
-/// Greatest |u| of a row of a law in the box.
-Fraction Certificate::greatestInBox(const double* row) const {
-  Fraction sum;
-  for (const Fraction& entry : scaling_.inBox(row, 1, Fraction(row[p_]))) sum += abs(entry);
-  return sum;
-}
-
 /// Its range; without one, the greatest |u| of all laws in the box.
 Fraction Certificate::sizeOf(std::size_t input) const {
   const double *bounds = map_.bounds.data() + 2 * (p_ + input), *end = map_.laws.data() + map_.laws.size();
@@ -21,7 +14,7 @@ Fraction Certificate::sizeOf(std::size_t input) const {
     size = Fraction(bounds[1]) - Fraction(bounds[0]);
   } else {
     for (const double* row = map_.laws.data() + input * (p_ + 1); row < end; row += q_ * (p_ + 1))
-      size = std::max(size, greatestInBox(row));
+      size = std::max(size, scaling_.greatestInBox(row));
   }
   return size > 0 ? size : Fraction(1);
 }
@@ -32,7 +25,7 @@ void Certificate::checkLaw(std::size_t index, const Region& region) const {
   for (std::size_t i = 0; i < q_; ++i) {
     const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
     const Vector mapped = scaling_.inBox(row, 1, Fraction(row[p_]));
-    const Fraction sum = greatestInBox(row);
+    const Fraction sum = scaling_.greatestInBox(row);
     Fraction difference = scaling_.roundingOf(row, 1);
     for (std::size_t j = 0; j <= p_; ++j) difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
     law_error_ = std::max(law_error_, difference);

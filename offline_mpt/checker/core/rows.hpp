@@ -84,6 +84,12 @@ struct Scaling {
     result.push_back(sum);
     return result;
   }
+  /// Greatest |u| in the box of a row of a law: p entries, then its constant.
+  Fraction greatestInBox(const double* law_row) const {
+    Fraction sum;
+    for (const Fraction& entry : inBox(law_row, 1, Fraction(law_row[half.size()]))) sum += abs(entry);
+    return sum;
+  }
   /// The inner side of a signed row of the map: row (t, 1) >= 0.
   Vector mapRow(const Map& map, std::int32_t row) const;
   /// Greatest error of entries[0..p) . theta + entries[p] in binary64 where |t_j| <= reach: in any order, with or without

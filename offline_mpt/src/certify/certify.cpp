@@ -169,18 +169,20 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
         return false;
       for (std::size_t k = 0; k < open.size(); ++k) closed[open[k]] = std::move(now[k]);
     }
-    std::vector<Defect> gaps;
-    std::vector<std::uint32_t> again;
-    for (const std::uint32_t r : open) {
-      const auto is_gap = [](const Defect& defect) { return defect.kind == Defect::Kind::kGap; };
-      if (std::none_of(closed[r].defects.begin(), closed[r].defects.end(), is_gap)) continue;
-      again.push_back(r);
-      std::copy_if(closed[r].defects.begin(), closed[r].defects.end(), std::back_inserter(gaps), is_gap);
-    }
     if (widened) break;
-    std::vector<std::vector<int>> candidates = missingSets(gaps);
-    const auto is_known = [&](const std::vector<int>& set) { return !tried.insert(set).second; };
-    candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
+    // Regions with a gap, and the sets that may be missing there, sorted. No row may be the right one, too.
+    std::vector<std::uint32_t> again;
+    std::set<std::vector<int>> sets;
+    for (const std::uint32_t r : open) {
+      bool has_gap = false;
+      for (const Defect& defect : closed[r].defects) {
+        if (defect.kind != Defect::Kind::kGap) continue;
+        has_gap = true;
+        if (tried.insert(defect.missing).second) sets.insert(defect.missing);
+      }
+      if (has_gap) again.push_back(r);
+    }
+    const std::vector<std::vector<int>> candidates(sets.begin(), sets.end());
     std::vector<Missing> missing(candidates.size());
     if (!fillShared<Missing>(missing, context.options, progressFrom(2 * count, 3 * count, context.options),
                              [&](std::uint32_t k) {

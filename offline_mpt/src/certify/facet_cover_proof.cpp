@@ -7,7 +7,6 @@
 #include "certify/slivers.hpp"
 #include "certify/tolerances.hpp"
 #include "exact_kkt/exact_active_set.hpp"
-#include "mpc_core/decompositions.hpp"
 #include "offline_mpt/exact_lp.hpp"
 #include "region_maps/region_map.hpp"
 

@@ -240,6 +240,13 @@ Eigen::VectorXd toTheta(const ExactProgram& program, const std::vector<Rational>
   return theta;
 }
 
+std::vector<Rational> toScaled(const ExactProgram& program, const Eigen::VectorXd& theta) {
+  std::vector<Rational> t;
+  for (std::size_t j = 0; j < program.half.size(); ++j)
+    t.push_back((Rational(theta(static_cast<Eigen::Index>(j))) - program.centre[j]) / program.half[j]);
+  return t;
+}
+
 std::vector<Rational> mapRow(const CheckContext& context, const RegionView& region, std::uint32_t row) {
   const std::int32_t reference = region.rows[row];
   const double* plane = context.map.plane(static_cast<std::size_t>(std::abs(reference)) - 1);

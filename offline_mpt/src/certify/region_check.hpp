@@ -103,4 +103,7 @@ std::string originText(const ExactOrigin& origin);
 /// t in parameters, rounded.
 Eigen::VectorXd toTheta(const ExactProgram& program, const std::vector<Rational>& t);
 
+/// The reverse, without rounding.
+std::vector<Rational> toScaled(const ExactProgram& program, const Eigen::VectorXd& theta);
+
 }  // namespace polyfly

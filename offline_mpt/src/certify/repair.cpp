@@ -138,13 +138,10 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
     for (const Defect& defect : result.report.defects) {
       std::vector<std::vector<int>> candidates;
       if (!defect.missing.empty() || defect.kind == Defect::Kind::kGap) candidates.push_back(defect.missing);
-      std::vector<Rational> t;
-      for (Eigen::Index j = 0; j < defect.witness.size(); ++j) {
-        const auto at = static_cast<std::size_t>(j);
-        t.emplace_back((Rational(defect.witness(j)) - exact.centre[at]) / exact.half[at]);
+      if (defect.witness.size() > 0) {
+        const auto active = activeSetAt(exact, toScaled(exact, defect.witness), {});
+        if (active) candidates.push_back(*active);
       }
-      const auto active = t.empty() ? std::nullopt : activeSetAt(exact, t, {});
-      if (active) candidates.push_back(*active);
       for (const std::vector<int>& candidate : candidates) {
         CriticalRegion region;
         if (found.count(candidate) > 0 || !describe(exact, candidate, region)) continue;

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <iterator>
 #include <numeric>
-#include <set>
 
 #include "certify/facet_cover.hpp"
 #include "certify/tolerances.hpp"
@@ -117,15 +116,6 @@ std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
   std::vector<ExactRow> rows;
   for (const ExactRow* row : left) rows.push_back(*row);
   return rows;
-}
-
-std::vector<std::vector<int>> missingSets(const std::vector<Defect>& defects) {
-  std::set<std::vector<int>> sets;
-  // None may be the right one, too.
-  for (const Defect& defect : defects) {
-    if (defect.kind == Defect::Kind::kGap) sets.insert(defect.missing);
-  }
-  return {sets.begin(), sets.end()};
 }
 
 bool checkSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,

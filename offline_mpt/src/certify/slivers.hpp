@@ -21,9 +21,6 @@ bool nearlyHolds(const CheckContext& context, const std::vector<RegionCheck>& ch
 /// Rows that bound the region: no other, and not the box, implies them.
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p);
 
-/// Active sets that may be missing where the defects are, sorted.
-std::vector<std::vector<int>> missingSets(const std::vector<Defect>& defects);
-
 /// The region of an active set that the map has not, and why it can be left out; false where it has no
 /// interior, or is no sliver. `checks` are those of the map's regions, and then any number of slivers.
 bool checkSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,

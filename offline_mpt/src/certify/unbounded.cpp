@@ -37,9 +37,7 @@ Rational atParameter(const IntegerMatrix& affine, int row, const std::vector<Rat
 bool provesUnbounded(const CheckContext& context, const Eigen::VectorXd& theta) {
   const ExactProgram& program = context.program;
   if (!program.linear || theta.size() != program.p) return false;
-  std::vector<Rational> t;
-  for (std::size_t j = 0; j < program.half.size(); ++j)
-    t.push_back((Rational(theta(static_cast<Eigen::Index>(j))) - program.centre[j]) / program.half[j]);
+  const std::vector<Rational> t = toScaled(program, theta);
   std::vector<Rational> bound;
   for (int i = 0; i < program.m; ++i) bound.push_back(atParameter(program.bound, i, t));
   ExactLp solution = rowsOf(program, bound);

@@ -110,14 +110,9 @@ class DualSteps {
   std::vector<Rational> changeBy(int row) const {
     std::vector<int> rows = program_.basis;
     rows.insert(rows.end(), active_.begin(), active_.end());
-    const int n = program_.n, size = n + static_cast<int>(rows.size());
-    IntegerMatrix system(size, size + 1);
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) system(i, j) = program_.H(i, j);
-      for (int r = n; r < size; ++r)
-        system(i, r) = system(r, i) = program_.A(rows[static_cast<std::size_t>(r - n)], i);
-      system(i, size) = program_.A(row, i);
-    }
+    IntegerMatrix system = optimalityMatrix(program_, rows, 1);
+    const int size = system.rows();
+    for (int i = 0; i < program_.n; ++i) system(i, size) = program_.A(row, i);
     Integer determinant;
     std::vector<Rational> change;
     if (!solveExactly(system, determinant)) return change;

@@ -13,10 +13,8 @@ IntegerMatrix optimalitySystem(const ExactProgram& program, const std::vector<in
   const int n = program.n;
   const int k = static_cast<int>(rows.size());
   const int width = program.p + 1;
-  IntegerMatrix system(n + k, n + k + (program.linear ? 2 : 1) * width);
+  IntegerMatrix system = optimalityMatrix(program, rows, (program.linear ? 2 : 1) * width);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) system(i, j) = program.H(i, j);
-    for (int r = 0; r < k; ++r) system(i, n + r) = system(n + r, i) = program.A(rows[r], i);
     for (int j = 0; j < width; ++j) system(i, n + k + (program.linear ? width : 0) + j) = -program.cost(i, j);
   }
   for (int r = 0; r < k; ++r) {
@@ -72,6 +70,17 @@ bool addSlacks(const ExactProgram& program, const ExactSolution& solution, const
 }
 
 }  // namespace
+
+IntegerMatrix optimalityMatrix(const ExactProgram& program, const std::vector<int>& rows, int sides) {
+  const int n = program.n, size = n + static_cast<int>(rows.size());
+  IntegerMatrix system(size, size + sides);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) system(i, j) = program.H(i, j);
+    for (int r = n; r < size; ++r)
+      system(i, r) = system(r, i) = program.A(rows[static_cast<std::size_t>(r - n)], i);
+  }
+  return system;
+}
 
 void finishRow(ExactRow& row) {
   Integer divisor(0);

@@ -94,6 +94,9 @@ class ExactSolution {
   int cost_column_ = 0;
 };
 
+/// (H A' 0; A 0 0) with the given rows in A and room for `sides` right-hand sides in the last columns.
+IntegerMatrix optimalityMatrix(const ExactProgram& program, const std::vector<int>& rows, int sides);
+
 /// Solves the optimality conditions for one active set, which may name equalities or not.
 ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active, ExactRegion& region);
 

@@ -62,9 +62,11 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   merge(total.empty_regions, part.empty_regions);
 }
 
-/// Half of the samples are uniform.
+/// Half of the samples are.
+bool isUniform(const RegionMap& map, std::uint64_t i) { return i % 2 == 0 || map.regionCount() == 0; }
+
 ParameterSampler::Sample sampleOf(const RegionMap& map, ParameterSampler& sampler, std::uint64_t i) {
-  return i % 2 == 0 || map.regionCount() == 0 ? sampler.uniform() : sampler.degenerate();
+  return isUniform(map, i) ? sampler.uniform() : sampler.degenerate();
 }
 
 std::vector<Eigen::VectorXd> firstSamples(const RegionMap& map, std::uint64_t seed) {
@@ -92,7 +94,7 @@ class Checker {
     for (std::uint64_t i = first; i < last; ++i) {
       const ParameterSampler::Sample sample = sampleOf(map_, sampler, i);
       ++report.samples;
-      if (i % 2 == 0 || map_.regionCount() == 0) ++report.uniform;
+      if (isUniform(map_, i)) ++report.uniform;
       if (sample.radius <= 0.0) note(report.empty_regions, -sample.radius, sample.theta);
       checkSample(sample.theta, report);
     }
