@@ -254,6 +254,19 @@ class Workspace(unittest.TestCase):
             self.assertEqual(package.findtext("name"), name)
             self.assertEqual(package.findtext("license"), "BSD-3-Clause")
 
+    def test_a_clone_in_a_workspace_holds_each_package_once(self):
+        try:
+            from catkin_pkg.packages import find_package_paths
+        except ImportError:
+            self.skipTest("catkin_pkg is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            clone = os.path.join(folder, "polyfly")
+            shutil.copytree(ROOT, clone, symlinks=True, ignore=lambda path, names: {"build", ".git"} & set(names))
+            found = [os.path.basename(path) for path in find_package_paths(folder)]
+        linked = set(os.listdir(os.path.join(ROOT, "catkin_ws", "src"))) - {"CMakeLists.txt"}
+        names = {"launch": "polyfly_launch", "test": "polyfly_test"}
+        self.assertEqual(sorted(linked), sorted(names.get(name, name) for name in found))
+
     def test_manifests_have_the_version_of_the_project(self):
         with open(os.path.join(ROOT, "region_maps", "polyfly_base", "include", "polyfly_base", "version.hpp")) as file:
             version = re.search(r'kVersion\[\] = "([0-9.]+)"', file.read()).group(1)

@@ -70,13 +70,12 @@ buildCommand() {
   say "For ROS: source build/catkin/devel/setup.bash"
 }
 
-# catkinIsolated: a copy of the packages outside of the project, built one after the other, each by itself, as `catkin build`
-# does. What is to be seen is that each finds its siblings' headers, messages and libraries, so files are preprocessed only.
+# catkinIsolated: a copy of the project in a workspace outside of it, each package built by itself, as `catkin build` does. What is to be seen is that each finds its siblings' headers, messages and libraries, so files are preprocessed only.
 catkinIsolated() {
   local folder status=0
   folder=$(mktemp -d) || return
-  mkdir "$folder/src"
-  cp -rL catkin_ws/src "$folder/src/polyfly"
+  mkdir -p "$folder/src/polyfly"
+  tar --create --exclude=./build --exclude=./.git . | tar --extract --directory "$folder/src/polyfly"
   (
     cd "$folder" || exit
     catkin init
@@ -91,7 +90,7 @@ catkinIsolated() {
   return "$status"
 }
 
-# The workspaces of users: one with a copy of the packages, each built by itself; and one that links them, from source alone.
+# The workspaces of users: one with a copy of the project, each package built by itself; and one from source alone.
 isolatedCommand() {
   startCommand 1 run workspace
   isolatedStep

@@ -10,9 +10,11 @@ export ROS_HOME="$root/build/.run/ros" ROS_LOG_DIR="$root/build/.run/ros/log"
 say() { printf '%s\n' "$*"; }
 die() { printf 'run: %s\n' "$*" >&2; exit 1; }
 
-# own NAME: makes the folder build/NAME and notes that it is ours, so that `clean` may remove it.
+# own NAME: makes the folder build/NAME and notes that it is ours, so that `clean` may remove it. A workspace that holds this
+# clone sees no packages below build/.
 own() {
   mkdir -p build/.run
+  touch build/CATKIN_IGNORE
   if [ ! -e "build/$1" ]; then
     mkdir -p "build/$1"
     printf '%s\n' "$1" >> build/.run/made
@@ -53,7 +55,7 @@ cleanCommand() {
     say "removing build/$name"
     rm -rf "build/$name"
   done < <(madeFolders)
-  rm -rf build/.run
+  rm -rf build/.run build/CATKIN_IGNORE
   rmdir build 2> /dev/null || true
   say "Clean."
 }

@@ -47,15 +47,20 @@ testCommand() {
     --catkin build/catkin/build/test_results --check README build/.run/results/README.status
 }
 
+# Tests that take long because they repeat: flights, fits of flights, random programs, whole commands, ./run itself, pages in a
+# browser. Shorter tests run the same code under the address sanitizer.
+repeating_tests='_flights?_test|flight_phases|motions?_test|soak|dead_time|laws_on_plants|odometry_outliers|drag|fit_loop'
+repeating_tests+='|model_support|greatest_rate|thrust_fit|repeated_rows|norm_cost|soft_partition|robust_random|reference_problems'
+repeating_tests+='|(export|filter|resume)_command|run_test|explorer_browser'
+
 sanitizeCommand() {
   startCommand 4 run
   own asan
   own tsan
   step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all
   step tsan_build "building the threaded tests with the thread sanitizer" buildSanitized tsan threaded_tests
-  # not again under the sanitizer: the tests of ./run and of pages in a browser, and the reference problems, whose subject is numbers
   step asan_tests "running the tests under the address and undefined-behaviour sanitizers" \
-    runTests asan -E '^(run_test|reference_problems_test|explorer_browser_test)$'
+    runTests asan -E "$repeating_tests"
   step tsan_tests "running the threaded tests under the thread sanitizer" runTests tsan -L threads
   python3 catkin_ws/scripts/count_tests.py --ctest build/.run/results/asan/ctest.xml build/.run/results/asan/gtest \
     --ctest build/.run/results/tsan/ctest.xml build/.run/results/tsan/gtest

@@ -25,7 +25,7 @@ const char kExportFooter[] =
   NAME.json    Bytes of flash and stack, greatest numbers of operations, bounds, checksums.
 
 --type double answers as the map does, bit for bit. --type float answers within a bound that the command
-proves. Where a bound cannot be proven, nothing is written. region_maps/export/README.md says what is proven.
+proves. Where a bound cannot be proven, nothing is written. region_maps/region_maps/export/README.md says what is proven.
 
 With --flash-limit, flash_bytes of NAME.json is at most the limit: tables and instructions, on the processor
 that needs more of these. The command takes the first of these that fits: the map in double and in float; the

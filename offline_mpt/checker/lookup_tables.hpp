@@ -8,7 +8,7 @@
 #include "cell_bound.hpp"
 #include "core/map.hpp"
 
-/// Look-ups as tables, of a map (region_maps/FORMAT.md) or of exported code (region_maps/export/README.md), with bounds
+/// Look-ups as tables, of a map (region_maps/FORMAT.md) or of exported code (region_maps/region_maps/export/README.md), with bounds
 /// of the rounding of each sum.
 namespace checker {
 

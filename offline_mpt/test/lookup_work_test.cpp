@@ -15,7 +15,7 @@
 namespace polyfly {
 namespace {
 
-/// The look-up as region_maps/export/README.md describes it, on the tables of the code, for one parameter. `value` is
+/// The look-up as region_maps/region_maps/export/README.md describes it, on the tables of the code, for one parameter. `value` is
 /// the value of a row there.
 template <class Theta, class Value>
 checker::LookupWork countedWork(const checker::LookupTables& code, const Theta& theta, const Value& value) {

@@ -11,7 +11,7 @@
 namespace polyfly {
 namespace {
 
-std::string harness(const std::string& name) { return projectRoot() + "/region_maps/export/test/" + name; }
+std::string harness(const std::string& name) { return projectRoot() + "/region_maps/region_maps/export/test/" + name; }
 
 OnlineCode solverCode(ExportType type) {
   const ParametricProgram program =
@@ -68,7 +68,7 @@ TEST_P(OnlineOnCortexM4, InstructionsAreWithinTheStatedBound) {
 
 INSTANTIATE_TEST_SUITE_P(Types, OnlineOnCortexM4, testing::Values(ExportType::kDouble, ExportType::kFloat));
 
-// region_maps/export/README.md lists the deviations.
+// region_maps/region_maps/export/README.md lists the deviations.
 TEST(OnlineTargets, MisraDeviationsAreTheListedOnes) {
   if (!hasProgram("cppcheck")) GTEST_SKIP() << "no cppcheck";
   const ScratchFolder folder;

@@ -13,7 +13,7 @@ namespace polyfly {
 std::array<std::string, 3> flightPageNames();
 
 /// Writes one page per axis into the folder, which is made where it is missing. A browser explores the axis' map
-/// there (region_maps/explorer), with the flight's samples. Samples without parameters are left out. Times count from
+/// there (region_maps/region_maps/explorer), with the flight's samples. Samples without parameters are left out. Times count from
 /// the first sample. `source` names the flight. Throws Error.
 void writeFlightPages(const std::vector<ReplaySample>& samples, const AxisMaps& maps,
                       const std::string& source, const std::string& folder);

@@ -25,7 +25,7 @@ struct ExportProofOptions {
   std::function<void(std::uint64_t pairs)> progress;
 };
 
-/// Proves how far the code's answers are from the map's (region_maps/export/README.md). `options` are those that are
+/// Proves how far the code's answers are from the map's (region_maps/region_maps/export/README.md). `options` are those that are
 /// asked for; those of the result may have other candidates and a greater tolerance. Throws Error where the code cannot
 /// be proven or made, and when stopped.
 ProvenExport proveExport(const RegionMap& map, ExportOptions options, const ExportProofOptions& proof = {});

@@ -27,7 +27,7 @@ from node_or_nodelet import PATIENCE, VARIANT
 
 
 def problem_files():
-    folder = os.path.join(rospkg.RosPack().get_path("region_maps"), "problems")
+    folder = os.path.join(os.path.realpath(rospkg.RosPack().get_path("region_maps")), "..", "problems")
     return {"problems/" + axis: os.path.join(folder, "multirotor_%s.yaml" % axis) for axis in AXES}
 
 

@@ -53,7 +53,7 @@ inline std::set<std::string> misraDeviations(const ScratchFolder& folder, const 
   return rules;
 }
 
-/// That nothing deviates but what region_maps/export/README.md lists.
+/// That nothing deviates but what region_maps/region_maps/export/README.md lists.
 inline void expectListedDeviations(const std::set<std::string>& rules, const ScratchFolder& folder) {
   // An empty list would mean that nothing was checked.
   EXPECT_EQ(rules.count("8.9"), 1u) << logOf(folder);

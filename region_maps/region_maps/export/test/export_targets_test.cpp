@@ -15,7 +15,7 @@
 namespace polyfly {
 namespace {
 
-std::string file(const std::string& name) { return projectRoot() + "/region_maps/export/test/" + name; }
+std::string file(const std::string& name) { return projectRoot() + "/region_maps/region_maps/export/test/" + name; }
 
 MapContent content(std::uint32_t parameters = 3) {
   TreeRecipe recipe;
@@ -204,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(Types, OnAtmega328p, testing::Values(ExportType::kFloat
 
 class UnderCppcheck : public ExportTargets, public testing::WithParamInterface<ExportType> {};
 
-// region_maps/export/README.md lists the deviations.
+// region_maps/region_maps/export/README.md lists the deviations.
 TEST_P(UnderCppcheck, MisraDeviationsAreTheListedOnes) {
   if (!hasProgram("cppcheck")) GTEST_SKIP() << "no cppcheck";
   save(GetParam(), content());

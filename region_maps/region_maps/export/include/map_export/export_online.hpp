@@ -7,7 +7,7 @@
 #include "map_export/export_map.hpp"
 #include "region_maps/signal.hpp"
 
-/// C code that solves a strictly convex program online (region_maps/export/README.md, "Online solver").
+/// C code that solves a strictly convex program online (region_maps/region_maps/export/README.md, "Online solver").
 namespace polyfly {
 
 /// A program in coordinates v in which its cost is |v|^2 / 2: v = 0 is the minimiser without constraints. Sizes:

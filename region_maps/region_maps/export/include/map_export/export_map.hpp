@@ -8,7 +8,7 @@
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 
-/// C code of a region map, for processors that read no file (region_maps/export/README.md).
+/// C code of a region map, for processors that read no file (region_maps/region_maps/export/README.md).
 namespace polyfly {
 
 /// Type of the numbers in the tables, of the parameters and of the inputs.

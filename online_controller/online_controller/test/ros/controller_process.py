@@ -21,8 +21,8 @@ AXES = ("longitudinal", "lateral", "vertical")
 
 
 def make_maps(folder):
-    problems = rospkg.RosPack().get_path("region_maps")
-    environment = dict(os.environ, POLYFLY_ROOT=os.path.dirname(os.path.realpath(problems)))
+    package = os.path.realpath(rospkg.RosPack().get_path("region_maps"))
+    environment = dict(os.environ, POLYFLY_ROOT=os.path.dirname(os.path.dirname(package)))
     subprocess.run([find_node("online_controller", "make_test_maps")[0], folder], env=environment, check=True)
 
 

@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 PROBLEMS = ROOT / "region_maps" / "problems"
 LOOKUPS = 5000
 # Infeasible where the first parameter exceeds the second by more than 1.
@@ -53,7 +53,7 @@ class Cross(unittest.TestCase):
         run("cmake", "--install", build, "--prefix", prefix)
         flags = run("pkg-config", "--cflags", "--libs", "polyfly_region_maps",
                     env={**os.environ, "PKG_CONFIG_LIBDIR": str(prefix / "lib" / "pkgconfig")})
-        run(compiler, "-std=c++17", "-O1", "-ffp-contract=off", ROOT / "region_maps" / "test" / "lookup_bits.cpp",
+        run(compiler, "-std=c++17", "-O1", "-ffp-contract=off", ROOT / "region_maps" / "region_maps" / "test" / "lookup_bits.cpp",
             "-o", program, *shlex.split(flags))
         return program
 
