@@ -136,7 +136,7 @@ class Install(unittest.TestCase):
                          for folder, _, names in os.walk(include) for name in names)
         self.assertIn(os.path.join("region_maps", "region_map.hpp"), headers)
         # The layout of the file and of memory is no user's concern.
-        for private in ("format.hpp", "read_file.hpp", "search_index.hpp"):
+        for private in ("format.hpp", "read_file.hpp"):
             self.assertNotIn(os.path.join("region_maps", private), headers)
         source = os.path.join(self.folder, "headers.cpp")
         with open(source, "w", encoding="utf-8") as file:

@@ -75,9 +75,6 @@ void printJson(const RegionMap& map) {
   json["multiply_adds"] = map.cost().multiply_adds;
   json["format_version"] = map.formatVersion();
   json["bytes"] = map.bytes();
-  json["index"] = {{"blocks", map.indexCost().blocks},
-                   {"bytes", map.indexCost().bytes},
-                   {"multiply_adds", map.indexCost().multiply_adds}};
   json["notes"] = map.solverNotes();
   json["provenance"] = originOf(map);
   std::printf("%s\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
@@ -122,14 +119,6 @@ void printText(const RegionMap& map) {
   }
   std::printf("worst case  depth %u, %u half-spaces at a leaf, %llu multiply-adds\n", map.cost().depth,
               map.cost().region_checks, static_cast<unsigned long long>(map.cost().multiply_adds));
-  if (map.indexCost().bytes == 0) {
-    std::printf("index       none: look-ups use the file alone\n");
-  } else {
-    std::printf(
-        "index       made in memory: %zu blocks, %zu bytes; worst case %llu multiply-adds of 16 bits more\n",
-        map.indexCost().blocks, map.indexCost().bytes,
-        static_cast<unsigned long long>(map.indexCost().multiply_adds));
-  }
   std::printf("problem     %.*s, %zu bytes of text\n", static_cast<int>(map.problemKind().size()),
               map.problemKind().data(), map.problemText().size());
   if (!originOf(map).empty()) {

@@ -172,8 +172,6 @@ Json timeLookups(const LookupArguments& arguments) {
   result["leaves"] = map.leafCount();
   result["region_checks"] = map.cost().region_checks;
   result["map_bytes"] = map.bytes();
-  result["index_bytes"] = map.indexCost().bytes;
-  result["index_multiply_adds"] = map.indexCost().multiply_adds;
   result["tree_cpu_seconds"] = tree_seconds;
   addTimes(result, "box", timeInTurn(map, box));
   addTimes(result, "regions", timeInTurn(map, regions));

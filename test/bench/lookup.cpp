@@ -69,10 +69,8 @@ std::vector<double> walkParameters(const polyfly::RegionMap& map, std::size_t sa
   return thetas;
 }
 
-// Nanoseconds of one look-up, one number for each batch, sorted. With `from_last`, each begins with the
-// region of the one before.
-std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector<double>& thetas,
-                                bool from_last = false) {
+// Nanoseconds of one look-up, one number for each batch, sorted.
+std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector<double>& thetas) {
   const std::size_t size = map.parameters().size();
   const std::size_t batches = thetas.size() / size / kBatch;
   std::vector<double> input(map.inputs().size());
@@ -80,13 +78,11 @@ std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector
   times.reserve(batches);
   volatile double sink = 0.0;  // keeps the look-ups from being left out
   const double* theta = thetas.data();
-  std::uint32_t last = 0;
   for (std::size_t batch = 0; batch < batches; ++batch) {
     double sum = 0.0;
     const Clock::time_point start = Clock::now();
     for (std::size_t i = 0; i < kBatch; ++i, theta += size) {
-      last = from_last ? map.evaluateFrom(theta, last, input.data()).region
-                       : map.evaluate(theta, input.data()).region;
+      map.evaluate(theta, input.data());
       sum += input[0];
     }
     const std::chrono::duration<double, std::nano> spent = Clock::now() - start;
@@ -113,7 +109,6 @@ void measure(const std::string& path, const Arguments& arguments, bool first) {
   const std::vector<double> times = timeLookups(map, thetas);
   const std::vector<double> walk = walkParameters(map, arguments.samples, arguments.seed);
   const std::vector<double> walked = timeLookups(map, walk);
-  const std::vector<double> continued = timeLookups(map, walk, true);
   const std::string name(map.name());
   printRow(first, name + ": regions", static_cast<double>(map.regionCount()), "");
   printRow(false, name + ": file", static_cast<double>(map.bytes()), "B");
@@ -121,8 +116,6 @@ void measure(const std::string& path, const Arguments& arguments, bool first) {
   printRow(false, name + ": look-up, random parameters, median", percentile(times, 0.5), "ns");
   printRow(false, name + ": look-up, random parameters, 99 %", percentile(times, 0.99), "ns");
   printRow(false, name + ": look-up, consecutive parameters, median", percentile(walked, 0.5), "ns");
-  printRow(false, name + ": look-up, consecutive parameters from the last region, median",
-           percentile(continued, 0.5), "ns");
 }
 
 }  // namespace

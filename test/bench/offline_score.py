@@ -191,8 +191,6 @@ def lookupRows(run, time_mark=None, depth_mark=False):
             row(f"{label}: tree depth", run["depth"], "", None, depth),
             row(f"{label}: half-spaces tested in a leaf, most", run["region_checks"]),
             row(f"{label}: multiply-adds of a look-up, most", run["multiply_adds"]),
-            row(f"{label}: multiply-adds of 16 bits before them, most", run["index_multiply_adds"]),
-            row(f"{label}: index in memory", run["index_bytes"], "B"),
             row(f"{label}: tree nodes, with leaves", treeSize(run)),
             row(f"{label}: tree, CPU time", run["tree_cpu_seconds"], "s")]
 

@@ -31,7 +31,6 @@ void lookUp(const RegionMap& map, const std::vector<double>& theta) {
   std::vector<double> u(m, kUntouched);
   const Lookup found = map.evaluate(theta.data(), u.data());
   require(same(found, map.locate(theta.data())));
-  require(same(found, map.locateInFile(theta.data())));
   if (found.status == LookupStatus::kInside) {
     require(found.region < map.regionCount() && found.law < map.lawCount());
     require(map.contains(found.region, theta.data()));

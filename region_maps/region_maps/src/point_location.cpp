@@ -6,8 +6,6 @@
 #include <cstring>
 #include <limits>
 
-#include "index_kernel.hpp"
-
 namespace polyfly {
 namespace {
 
@@ -106,46 +104,27 @@ struct PointLocation {
     double least = kInfinity;
 
     /// A region and its violation. True when no later one can be better.
-    bool offer(const Tables& tables, std::uint32_t region, std::uint32_t law, double beyond) noexcept {
+    bool offer(const Tables& tables, std::uint32_t region, std::uint32_t tests,
+               const double* theta) noexcept {
+      double beyond = violation(tables, region, tests, theta);
       if (region >= tables.first_fallback) beyond = std::max(beyond, 0.0) + tables.handicap;
       if (!(beyond < least)) return false;
       least = beyond;
-      found = {LookupStatus::kInside, region, law};
+      found = {LookupStatus::kInside, region, tables.regions[region].law};
       return beyond <= 0.0;
-    }
-
-    bool offerOfFile(const Tables& tables, std::uint32_t region, std::uint32_t tests,
-                     const double* theta) noexcept {
-      return offer(tables, region, tables.regions[region].law, violation(tables, region, tests, theta));
     }
   };
 
   static Lookup locate(const Tables& tables, const double* theta) noexcept {
     const LookupStatus box = testBox(tables, theta);
     if (box != LookupStatus::kInside) return {box};
-    if constexpr (kParameters != 0) {
-      if (tables.index.records != nullptr) return locateByIndex(tables, theta);
-    }
-    return locateByTree(tables, theta);
-  }
-
-  static Lookup locateInFile(const Tables& tables, const double* theta) noexcept {
-    const LookupStatus box = testBox(tables, theta);
-    return box != LookupStatus::kInside ? Lookup{box} : locateByTree(tables, theta);
-  }
-
-  static bool isBelow(const Tables& tables, const MapContent::Node& node, const double* theta) noexcept {
     const std::size_t p = size(tables);
-    return distance(tables.planes + node.plane * (p + 1), theta, p) <= 0.0;
-  }
-
-  static Lookup locateByTree(const Tables& tables, const double* theta) noexcept {
     std::uint32_t child = tables.root;
     // The branch is meant: guessing it lets the processor fetch the next node early, and was measured to be
     // twice as fast as choosing the child by arithmetic.
     while ((child & MapContent::kLeaf) == 0) {
       const MapContent::Node& node = tables.nodes[child];
-      if (isBelow(tables, node, theta)) {
+      if (distance(tables.planes + node.plane * (p + 1), theta, p) <= 0.0) {
         child = node.below;
       } else {
         child = node.above;
@@ -157,98 +136,13 @@ struct PointLocation {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const std::uint32_t tests =
           tables.tests == nullptr ? MapContent::kAllRows : tables.tests[leaf.first + i];
-      if (best.offerOfFile(tables, candidates[i], tests, theta)) break;
+      if (best.offer(tables, candidates[i], tests, theta)) break;
     }
     return best.found;
-  }
-
-  static Lookup locateByIndex(const Tables& tables, const double* theta) noexcept {
-    using Kernel = IndexKernel<kParameters>;
-    const SearchIndex::View& index = tables.index;
-    const auto rounded = Kernel::prepare(index, theta);
-    const Lanes::Type twice_margin = Lanes::all(2 * index.margin);
-    std::uint32_t reference = index.root;
-    while ((reference & SearchIndex::kLeaf) == 0) {
-      const std::int32_t* const block = Kernel::block(index, reference);
-      const typename Kernel::Sides sides = Kernel::sides(block, rounded, twice_margin);
-      std::uint32_t number = Kernel::childNumber(sides);
-      if (number == Kernel::kNoChild) number = childNumber(tables, block, sides, theta);
-      reference = Kernel::child(block, number);
-    }
-    const SearchIndex::Candidate* candidate = index.candidates + (reference & ~SearchIndex::kLeaf);
-    Best best;
-    for (bool more = true; more; ++candidate) {
-      more = (candidate->record & SearchIndex::kLast) == 0;
-      const std::int32_t* const record = Kernel::record(index, candidate->record & ~SearchIndex::kLast);
-      const Verdict verdict = Kernel::verdict(record, candidate->tests, rounded, twice_margin);
-      // Candidates that theta violates by more than the tolerance are left out.
-      if (verdict == Verdict::kOutside) continue;
-      const auto region = static_cast<std::uint32_t>(record[0]);
-      const double beyond =
-          verdict == Verdict::kInside ? 0.0 : violation(tables, record, candidate->tests, rounded, theta);
-      if (best.offer(tables, region, static_cast<std::uint32_t>(record[1]), beyond)) break;
-    }
-    return best.found;
-  }
-
-  /// Number of the child of a block of the index that theta belongs to; where the index is not sure, by the
-  /// planes of the file.
-  template <class Sides>
-  [[gnu::noinline]] static std::uint32_t childNumber(const Tables& tables, const std::int32_t* block,
-                                                     const Sides& sides, const double* theta) noexcept {
-    using Kernel = IndexKernel<kParameters>;
-    std::uint32_t child = Kernel::node(block);
-    std::uint32_t plane = 0;
-    for (std::uint32_t level = 0; level < SearchIndex::kLevels; ++level) {
-      const unsigned bit = 1u << plane;
-      plane = 2 * plane + 1;
-      if ((Kernel::nodes(block) & bit) == 0) continue;  // a path that ended goes on below
-      const MapContent::Node& node = tables.nodes[child];
-      const bool sure = ((sides.perhaps ^ sides.surely) & bit) == 0;
-      const bool above = sure ? (sides.surely & bit) != 0 : !isBelow(tables, node, theta);
-      child = above ? node.above : node.below;
-      plane += above ? 1 : 0;
-    }
-    return plane - (SearchIndex::kChildren - 1);
-  }
-
-  /// Of the region with that record of the index, which is sure that theta does not violate it otherwise:
-  /// that of the rows of which it is not sure.
-  template <class Theta>
-  [[gnu::noinline]] static double violation(const Tables& tables, const std::int32_t* record,
-                                            std::uint32_t tests, const Theta& rounded,
-                                            const double* theta) noexcept {
-    const std::int32_t* const rows = tables.rows + static_cast<std::uint32_t>(record[3]);
-    double greatest = -kInfinity;
-    for (std::uint32_t g = 0; g < static_cast<std::uint32_t>(record[2]); ++g) {
-      const unsigned tested = SearchIndex::testedLanes(tests, g);
-      if (tested == 0) continue;
-      const unsigned unsure = IndexKernel<kParameters>::unsureRows(record, g, rounded) & tested;
-      for (std::uint32_t i = 0; i < SearchIndex::kRowLanes; ++i) {
-        if ((unsure >> i & 1u) == 0) continue;
-        const double beyond = rowViolation(tables, rows[g * SearchIndex::kRowLanes + i], theta);
-        if (!(beyond <= tables.tolerance)) return kInfinity;
-        greatest = std::max(greatest, beyond);
-      }
-    }
-    return greatest;
-  }
-
-  static Lookup locateFrom(const Tables& tables, const double* theta, std::uint32_t last) noexcept {
-    if (last < tables.first_fallback && violation(tables, last, MapContent::kAllRows, theta) <= 0.0 &&
-        testBox(tables, theta) == LookupStatus::kInside) {
-      return {LookupStatus::kInside, last, tables.regions[last].law};
-    }
-    return locate(tables, theta);
   }
 
   static Lookup evaluate(const Tables& tables, const double* theta, double* u) noexcept {
     return apply(tables, locate(tables, theta), theta, u);
-  }
-
-  static Lookup evaluateFrom(const Tables& tables, const double* theta, std::uint32_t last,
-                             double* u) noexcept {
-    return apply(tables, locateFrom(tables, theta, last), theta, u);
   }
 
   static Lookup apply(const Tables& tables, const Lookup& found, const double* theta, double* u) noexcept {
@@ -268,13 +162,13 @@ struct PointLocation {
     if (box != LookupStatus::kInside) return {box};
     Best best;
     for (std::size_t i = 0; i < regions; ++i) {
-      if (best.offerOfFile(tables, static_cast<std::uint32_t>(i), MapContent::kAllRows, theta)) break;
+      if (best.offer(tables, static_cast<std::uint32_t>(i), MapContent::kAllRows, theta)) break;
     }
     return best.found;
   }
 
   static LookupFunctions functions() noexcept {
-    return {locate, locateFrom, evaluate, evaluateFrom, locateInFile, locateExhaustively, contains};
+    return {locate, evaluate, locateExhaustively, contains};
   }
 };
 

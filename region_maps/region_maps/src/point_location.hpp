@@ -5,11 +5,10 @@
 
 #include "region_maps/lookup.hpp"
 #include "region_maps/map_content.hpp"
-#include "search_index.hpp"
 
 namespace polyfly {
 
-/// What a look-up reads. All but `box` and `index` points into the file.
+/// What a look-up reads. All but `box` points into the file.
 struct LookupTables {
   /// Bounds (lower, upper) of each parameter, widened by the tolerance.
   const double* box = nullptr;
@@ -22,7 +21,6 @@ struct LookupTables {
   const std::uint32_t* candidates = nullptr;
   /// nullptr: all rows.
   const std::uint32_t* tests = nullptr;
-  SearchIndex::View index;
   double tolerance = 0.0;
   /// Handicap of fallback regions.
   double handicap = 0.0;
@@ -36,11 +34,7 @@ struct LookupTables {
 struct LookupFunctions {
   using Tables = LookupTables;
   Lookup (*locate)(const Tables&, const double* theta) noexcept = nullptr;
-  Lookup (*locate_from)(const Tables&, const double* theta, std::uint32_t last) noexcept = nullptr;
   Lookup (*evaluate)(const Tables&, const double* theta, double* u) noexcept = nullptr;
-  Lookup (*evaluate_from)(const Tables&, const double* theta, std::uint32_t last,
-                          double* u) noexcept = nullptr;
-  Lookup (*locate_in_file)(const Tables&, const double* theta) noexcept = nullptr;
   Lookup (*locate_exhaustively)(const Tables&, std::size_t regions, const double* theta) noexcept = nullptr;
   bool (*contains)(const Tables&, std::size_t region, const double* theta) noexcept = nullptr;
 };

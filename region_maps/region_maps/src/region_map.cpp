@@ -9,7 +9,6 @@
 #include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
 #include "region_maps/read_file.hpp"
-#include "search_index.hpp"
 
 namespace polyfly {
 namespace {
@@ -36,7 +35,7 @@ std::vector<double> widenedBox(const std::vector<Signal>& parameters, double tol
   return box;
 }
 
-/// All but the box, the index and the first fallback region.
+/// All but the box and the first fallback region.
 LookupTables tablesOf(const void* data, const format::Header& header) {
   LookupTables tables;
   tables.planes = sectionStart<double>(data, header, format::kPlanes);
@@ -73,8 +72,6 @@ struct RegionMap::Loaded {
   std::vector<Signal> inputs;
   std::vector<double> box;
   LookupCost cost;
-  SearchIndex index;
-  IndexCost index_cost;
 };
 
 RegionMap::RegionMap(std::unique_ptr<Loaded> loaded) noexcept : loaded_(std::move(loaded)) {}
@@ -129,9 +126,6 @@ RegionMap RegionMap::load(std::unique_ptr<Loaded> loaded, std::size_t size) {
   own.tables.box = own.box.data();
   own.tables.first_fallback = static_cast<std::uint32_t>(map.firstFallback());
   own.functions = lookupFunctionsFor(header.parameters);
-  own.index = SearchIndex(map);
-  own.tables.index = own.index.view();
-  own.index_cost = {own.index.blockCount(), own.index.bytes(), own.index.multiplyAdds()};
   return map;
 }
 
@@ -139,7 +133,6 @@ const std::string& RegionMap::path() const noexcept { return loaded_->path; }
 const std::vector<Signal>& RegionMap::parameters() const noexcept { return loaded_->parameters; }
 const std::vector<Signal>& RegionMap::inputs() const noexcept { return loaded_->inputs; }
 const LookupCost& RegionMap::cost() const noexcept { return loaded_->cost; }
-const IndexCost& RegionMap::indexCost() const noexcept { return loaded_->index_cost; }
 std::string_view RegionMap::file() const noexcept {
   return {static_cast<const char*>(loaded_->data), bytes()};
 }
@@ -201,20 +194,8 @@ Lookup RegionMap::locate(const double* theta) const noexcept {
   return loaded_->functions.locate(loaded_->tables, theta);
 }
 
-Lookup RegionMap::locateFrom(const double* theta, std::uint32_t last) const noexcept {
-  return loaded_->functions.locate_from(loaded_->tables, theta, last);
-}
-
-Lookup RegionMap::evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept {
-  return loaded_->functions.evaluate_from(loaded_->tables, theta, last, u);
-}
-
 Lookup RegionMap::evaluate(const double* theta, double* u) const noexcept {
   return loaded_->functions.evaluate(loaded_->tables, theta, u);
-}
-
-Lookup RegionMap::locateInFile(const double* theta) const noexcept {
-  return loaded_->functions.locate_in_file(loaded_->tables, theta);
 }
 
 Lookup RegionMap::locateExhaustively(const double* theta) const noexcept {

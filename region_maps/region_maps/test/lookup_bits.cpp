@@ -38,7 +38,7 @@ void print(const Lookup& found) {
   std::printf(" %d/%" PRIu32 "/%" PRIu32, static_cast<int>(found.status), found.region, found.law);
 }
 
-void printAnswers(const RegionMap& map, const std::vector<double>& theta, std::uint32_t last) {
+void printAnswers(const RegionMap& map, const std::vector<double>& theta) {
   std::vector<double> u(map.inputs().size(), 0.0);
   print(map.evaluate(theta.data(), u.data()));
   for (const double value : u) {
@@ -46,9 +46,7 @@ void printAnswers(const RegionMap& map, const std::vector<double>& theta, std::u
     std::memcpy(&bits, &value, sizeof bits);
     std::printf(" %016" PRIx64, bits);
   }
-  print(map.locateInFile(theta.data()));
   print(map.locateExhaustively(theta.data()));
-  print(map.locateFrom(theta.data(), last));
   std::printf("\n");
 }
 
@@ -68,7 +66,7 @@ int main(int argc, char** argv) {
     }
     const std::uint64_t plane = random() % map.planeCount();
     if (k % 2 == 1) moveOnto(map, map.plane(static_cast<std::size_t>(plane)), theta);
-    printAnswers(map, theta, static_cast<std::uint32_t>(random() % map.regionCount()));
+    printAnswers(map, theta);
   }
   return 0;
 }

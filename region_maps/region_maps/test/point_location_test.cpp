@@ -125,11 +125,10 @@ TEST_P(PointLocation, ImpliedRowsNeedNoTest) {
     for (int i = 0; i < 500; ++i) {
       const std::vector<double> theta = randomPoint(all.content, random, 1.0);
       const Lookup expected = all.map.locate(theta.data());
-      for (const Lookup& found : {named.map.locate(theta.data()), named.map.locateInFile(theta.data())}) {
-        ASSERT_EQ(found.status, expected.status);
-        if (expected.status != LookupStatus::kInside) continue;
-        EXPECT_EQ(found.region, expected.region);
-      }
+      const Lookup found = named.map.locate(theta.data());
+      ASSERT_EQ(found.status, expected.status);
+      if (expected.status != LookupStatus::kInside) continue;
+      EXPECT_EQ(found.region, expected.region);
     }
   }
 }
@@ -366,53 +365,6 @@ TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   EXPECT_EQ(region(3.5), -1);
 }
 
-TEST(PointLocationFromLast, AnswersAsTheTreeWhateverWasBefore) {
-  const MadeMap made(makeGridMap(3, 4));
-  std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> uniform(-0.2, 4.2);
-  std::uint32_t last = 0xffffffffu;
-  for (int k = 0; k < 3000; ++k) {
-    double theta[3];
-    for (double& entry : theta) entry = uniform(random);
-    for (int step = 0; step < 4; ++step, theta[step % 3] += 0.01) {
-      const Lookup expected = made.map.locate(theta);
-      const Lookup found = made.map.locateFrom(theta, last);
-      ASSERT_EQ(found.status, expected.status);
-      double u = -1.0;
-      EXPECT_EQ(made.map.evaluateFrom(theta, last, &u).status, expected.status);
-      if (found.status != LookupStatus::kInside) continue;
-      EXPECT_EQ(found.region, expected.region);  // no face is met
-      EXPECT_EQ(found.law, expected.law);
-      EXPECT_EQ(u, static_cast<double>(found.region));
-      last = k % 7 == 0 ? static_cast<std::uint32_t>(random()) : found.region;
-    }
-  }
-}
-
-TEST(PointLocationFromLast, RefusesWhatTheTreeRefuses) {
-  const MadeMap made(makeGridMap(1, 2));
-  for (const double theta : {std::nan(""), HUGE_VAL, -0.5, 2.5}) {
-    for (const std::uint32_t last : {0u, 1u, 2u}) {
-      EXPECT_EQ(made.map.locateFrom(&theta, last).status, made.map.locate(&theta).status);
-    }
-  }
-}
-
-TEST(PointLocationFromLast, NeverTrustsAFallbackRegion) {
-  MapContent content = makeGridMap(1, 2);
-  content.first_fallback = 1;
-  // The second cell reaches over the first.
-  content.rows[content.regions[1].first_row + 1] = -1;
-  content.nodes.clear();
-  content.leaves = {{0, 2}};
-  content.root = MapContent::kLeaf;
-  content.candidates = {0, 1};
-  const MadeMap made(std::move(content));
-  // Both cells hold this parameter.
-  const double theta = 0.5;
-  EXPECT_EQ(made.map.locateFrom(&theta, 1).region, 0u);
-}
-
 TEST(PointLocationLeaf, AnEmptyLeafIsOutsideThePartition) {
   MapContent content = makeSmallMap();
   content.leaves[2].count = 0;
@@ -478,7 +430,6 @@ TEST(PointLocationAllocation, LookUpsAllocateNothing) {
       const Lookup found = made.map.evaluate(&points[i], u);
       ++seen[static_cast<int>(found.status)];
       made.map.locate(&points[i]);
-      made.map.evaluateFrom(&points[i], found.region, u);
       made.map.locateExhaustively(&points[i]);
       made.map.contains(0, &points[i]);
     }

@@ -20,20 +20,11 @@ struct Lookup {
   std::uint32_t law = 0;     ///< valid with kInside
 };
 
-/// Bounds on the cost of one look-up in double, computed from the tree when the map opens. The search index adds
-/// work in 16 bits (IndexCost::multiply_adds) and mostly saves this.
+/// Bounds on the cost of one look-up in double, computed from the tree when the map opens.
 struct LookupCost {
   std::uint32_t depth = 0;          ///< greatest number of interior nodes on a path
   std::uint32_t region_checks = 0;  ///< greatest number of half-spaces tested at a leaf
   std::uint64_t multiply_adds = 0;  ///< greatest number of multiply-adds of `evaluate`
-};
-
-/// The search index: a copy of tree and half-spaces in 16 bits, made in memory when the map opens. Answers are
-/// those of the file, bit for bit. All 0 where a map has none, and look-ups read the file alone.
-struct IndexCost {
-  std::size_t blocks = 0;  ///< each of three levels of the tree
-  std::size_t bytes = 0;
-  std::uint64_t multiply_adds = 0;  ///< greatest number of multiply-adds of 16 bits in a look-up
 };
 
 }  // namespace polyfly

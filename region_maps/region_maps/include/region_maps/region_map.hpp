@@ -39,7 +39,7 @@ struct LeafView {
 };
 
 /// For RegionMap::open [bytes]: no limit, and the largest map that a node flies. Three such maps in force and three to
-/// come take at most 3 GiB with their indices.
+/// come take at most 1.5 GiB.
 constexpr std::uint64_t kAnySize = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t kGreatestFlownMap = std::uint64_t{256} << 20;
 
@@ -72,7 +72,6 @@ class RegionMap {
   const std::vector<Signal>& parameters() const noexcept;
   const std::vector<Signal>& inputs() const noexcept;
   const LookupCost& cost() const noexcept;
-  const IndexCost& indexCost() const noexcept;
 
   std::size_t regionCount() const noexcept;
   std::size_t lawCount() const noexcept;
@@ -106,17 +105,6 @@ class RegionMap {
 
   /// As locate, and writes u = K theta + k (m numbers) when the status is kInside; u is left alone otherwise.
   Lookup evaluate(const double* theta, double* u) const noexcept;
-
-  /// As `locate` and `evaluate`, beginning with the region that held the parameter before. Consecutive parameters
-  /// mostly lie in one region, and testing that one is cheaper than the tree. `last` may be any number. On a face,
-  /// where several regions hold theta, the answer may be another region than the tree's; their inputs agree there.
-  /// Costs at most one region's half-spaces more than `cost()` says. Unlike `locate`, the answer depends on what came
-  /// before; the controllers therefore do not use it.
-  Lookup locateFrom(const double* theta, std::uint32_t last) const noexcept;
-  Lookup evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept;
-
-  /// As `locate`, without the index: by the file alone, in double.
-  Lookup locateInFile(const double* theta) const noexcept;
 
   /// As `locate`, testing all regions in file order: its reference.
   Lookup locateExhaustively(const double* theta) const noexcept;
