@@ -90,8 +90,7 @@ inline checker::Map checkedMap(const MadeMap& made) {
 
 /// What the checker proves of the code's answers and operations.
 inline ExportBound provenBound(const checker::ExportedAnswers& answers, const checker::ExportedCode& code) {
-  const checker::ProofWatch watch;
-  const checker::LookupWork work = checker::WorkProof(code, watch).run();
+  const checker::LookupWork work = checker::greatestWork(code.tables);
   return {answers.error, answers.margin, {work.sums, work.comparisons}, {}};
 }
 

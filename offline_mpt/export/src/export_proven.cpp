@@ -102,16 +102,11 @@ std::vector<double> allowedErrors(const RegionMap& map) {
   return {problem.input_errors.data(), problem.input_errors.data() + problem.input_errors.size()};
 }
 
-ProvenExport withFacts(const checker::ProofWatch& watch, const RegionMap& map, ProvenCode proven) {
+ProvenExport withFacts(const RegionMap& map, ProvenCode proven) {
   ExportBound& bound = proven.bound;
-  checker::WorkProof proof(proven.code, watch);
-  const checker::LookupWork work = proof.run();
+  const checker::LookupWork work = checker::greatestWork(proven.code.tables);
   bound.allowed = allowedErrors(map);
   bound.work = {work.sums, work.comparisons};
-  for (const std::vector<double>& theta : proof.reached()) {
-    const checker::LookupWork reached = checker::workAt(proven.code, theta);
-    bound.costly.push_back({theta, {reached.sums, reached.comparisons}});
-  }
   return {std::move(proven.options), std::move(bound)};
 }
 
@@ -133,7 +128,7 @@ ProvenExport proveExport(const RegionMap& map, ExportOptions options, const Expo
         std::optional<ProvenCode> whole = proveRepaired(map, checked, watch, AddedRows::kAll, options);
         if (whole && isMuchBetter(whole->bound, code->bound)) code = std::move(whole);
       }
-      return withFacts(watch, map, std::move(*code));
+      return withFacts(map, std::move(*code));
     }
   } catch (const checker::Stopped&) {
     throw Error(map.path() + ": the proof of its code was interrupted");

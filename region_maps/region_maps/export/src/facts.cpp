@@ -33,17 +33,6 @@ std::string workText(const RegionMap& map, const LookupWork& work) {
          ", \"comparisons\": " + std::to_string(work.comparisons) + "}";
 }
 
-/// The greatest numbers that vectors of NAME_test.c reach.
-std::string reachedText(const RegionMap& map, const ExportBound& bound) {
-  if (bound.costly.empty()) return "";
-  LookupWork greatest;
-  for (const CostlyPoint& point : bound.costly) {
-    greatest.sums = std::max(greatest.sums, point.work.sums);
-    greatest.comparisons = std::max(greatest.comparisons, point.work.comparisons);
-  }
-  return ",\n  \"costliest_vector\": " + workText(map, greatest);
-}
-
 std::size_t tableBytes(const CodeTables& tables, ExportType type) {
   std::size_t bytes = bytesOf(type) * (tables.planes.size() + tables.laws.size() + tables.box.size() + 1);
   for (const std::vector<std::uint32_t>* table :
@@ -111,7 +100,7 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          (flash.atmega328p == 0 ? "" : ", \"atmega328p\": " + number(flash.atmega328p)) + "}" +
          ",\n  \"stack_bytes\": " + number(exportStackBytes(map, options)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": " + workText(map, bound.work) +
-         reachedText(map, bound) + ",\n  \"error_bound\": " + errorList(bound) +
+         ",\n  \"error_bound\": " + errorList(bound) +
          ",\n  \"margin\": " + roundedUp(bound.margin) + allowanceFacts(bound) + "\n}\n";
 }
 

@@ -16,8 +16,6 @@ constexpr std::size_t kWithin = 24;
 constexpr std::size_t kFacets = 24;
 constexpr std::size_t kOutside = 8;
 constexpr std::uint64_t kSeed = 1;
-/// Where OK and OUTSIDE are both right, see kTestTemplate.
-constexpr std::uint32_t kEither = 255;
 /// What stays in u where there is no answer.
 constexpr double kUntouched = 0.5;
 /// Distance from the box, in ranges, within which float may take a parameter for inside.
@@ -30,8 +28,7 @@ class VectorMaker {
   VectorMaker(const RegionMap& map, const ExportOptions& options, double margin)
       : map_(map), type_(options.type), margin_(margin), random_(kSeed) {}
 
-  TestVectors make(const std::vector<CostlyPoint>& costly) {
-    for (const CostlyPoint& point : costly) add(point.theta, true);
+  TestVectors make() {
     const std::size_t p = map_.parameters().size();
     for (std::size_t i = 0; i < kVertices; ++i) {
       std::vector<double> theta(p);
@@ -97,8 +94,8 @@ class VectorMaker {
     return true;
   }
 
-  /// A costly parameter stays where rounding decides whether there is an answer.
-  void add(std::vector<double> theta, bool is_costly = false) {
+  /// A parameter is left out where rounding decides whether there is an answer.
+  void add(std::vector<double> theta) {
     round(theta);
     std::vector<double> u(map_.inputs().size(), kUntouched);
     const Lookup found = map_.evaluate(theta.data(), u.data());
@@ -108,10 +105,9 @@ class VectorMaker {
     // Rounding puts vertices just outside of the box: the code's box is as much wider.
     const bool is_beside_box =
         type_ != ExportType::kDouble && found.status == LookupStatus::kOutsideBox && isInBox(theta);
-    const bool is_either = may_differ || is_beside_box;
-    if (is_either && !is_costly) return;
+    if (may_differ || is_beside_box) return;
     vectors_.theta.insert(vectors_.theta.end(), theta.begin(), theta.end());
-    vectors_.status.push_back(is_either ? kEither : is_inside ? 0 : 1);
+    vectors_.status.push_back(is_inside ? 0 : 1);
     vectors_.u.insert(vectors_.u.end(), u.begin(), u.end());
   }
 
@@ -154,14 +150,13 @@ std::vector<double> comparedWithin(const RegionMap& map, const ExportOptions& op
 
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
-  TestVectors vectors = VectorMaker(map, options, bound.margin).make(bound.costly);
+  TestVectors vectors = VectorMaker(map, options, bound.margin).make();
   vectors.tolerance = comparedWithin(map, options, bound, vectors.u);
   Replacements keys = mapKeys(map, options);
   keys["oracle"] = "the map";
   keys["workspace"] = "";
   keys["parameter_note"] =
-      "those with the most operations (costliest_vector of " + options.name +
-      ".json), vertices of the box, points within,\n * points on and beside facets, points outside.";
+      "vertices of the box, points within,\n * points on and beside facets, points outside.";
   keys["call"] = options.name + "_evaluate(theta, u)";
   return testText(std::move(keys), options.type, vectors);
 }

@@ -39,17 +39,11 @@ struct ExportOptions {
   std::vector<ChosenCandidate> chosen;
 };
 
-/// Greatest numbers of operations of one look-up, over all parameters.
+/// No look-up takes more operations: along each path of the tree, with all rows of the leaf.
 struct LookupWork {
   /// Sums of p products: planes of nodes and of candidates' rows, and rows of the law.
   std::uint64_t sums = 0;
   std::uint64_t comparisons = 0;
-};
-
-/// A parameter in numbers of the code's type, and the operations of the code's look-up there.
-struct CostlyPoint {
-  std::vector<double> theta;  ///< size p [the signals' units]
-  LookupWork work;
 };
 
 /// What is proven of the exported code, to be stated in its header.
@@ -62,8 +56,6 @@ struct ExportBound {
   /// Of a safety filter, the greatest error of each input for which its set is proven. Size m; empty for other maps. [the
   /// input's unit]
   std::vector<double> allowed;
-  /// Parameters that reach the numbers of `work`, for NAME_test.c.
-  std::vector<CostlyPoint> costly = {};
 
   /// Whether the errors are within what the filter allows.
   bool isAllowed() const;
