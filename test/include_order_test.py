@@ -19,7 +19,7 @@ OFFLINE_HEADERS = {
     "exact_lp": "lp",
     "partition": "program",
     "explore_options": "explore/sets", "process_group": "explore/parallel", "explore": "explore",
-    "soft_bounds": "soft", "loop_excess": "soft",
+    "soft_bounds": "soft",
     "encode": "tree", "search_tree": "tree",
     "reduce": "reduce",
     "verify": "verify",

@@ -12,7 +12,6 @@
 #include "mpi_session.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "offline_mpt/loop_excess.hpp"
 #include "offline_mpt/process_group.hpp"
 #include "offline_mpt/soft_bounds.hpp"
 #include "polyfly_base/error.hpp"
@@ -172,9 +171,6 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
     if (!options.quiet) std::printf("%s: %s\n", options.map.c_str(), text.c_str());
   };
   for (const SoftBound& bound : softBounds(program, partition, explore_options)) note(softBoundText(bound));
-  if (program.text_kind != "yaml") return;
-  const MpcProblem problem = parseProblem(program.text, options.problem);
-  for (const LoopExcess& excess : loopExcess(problem, partition)) note(loopExcessText(problem, excess));
 }
 
 // False where the map is wrong; says why.

@@ -1,18 +1,30 @@
 #include "offline_mpt/soft_bounds.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <utility>
 
 #include "lp/polytope.hpp"
 #include "offline_mpt/explore.hpp"
 #include "soft/active_solution.hpp"
-#include "soft/excess_text.hpp"
 #include "soft/tolerances.hpp"
 #include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
+
+/// An excess up to this is rounding of 0.
+double negligibleExcess(const ParametricProgram& program) {
+  return tolerance::kNoExcess * std::max(1.0, program.b.size() > 0 ? program.b.cwiseAbs().maxCoeff() : 0.0);
+}
+
+/// Six digits, for people.
+std::string numberText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
 
 /// Greatest values of affine functions over the regions of a partition.
 class RegionMaximum {
