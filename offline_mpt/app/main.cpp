@@ -5,23 +5,29 @@
 
 namespace {
 
-/// A command that is gone, and what to use in its place.
-struct RemovedCommand {
-  const char* name;
+/// Commands that are gone, and what to use in their place.
+struct RemovedCommands {
+  std::vector<const char*> names;
   const char* instead;
 };
 
-constexpr RemovedCommand kRemoved[] = {
-    {"count", "'solve --region-limit N' ends with exit code 3 where there are more than N regions"}};
-
 /// Removed commands are not listed. They take any arguments, and are refused.
-void addRemoved(CLI::App& app) {
-  for (const RemovedCommand& removed : kRemoved) {
-    CLI::App* command = app.add_subcommand(removed.name, "")->group("");
+void addRemoved(CLI::App& app, const RemovedCommands& removed) {
+  for (const std::string name : removed.names) {
+    CLI::App* command = app.add_subcommand(name, "")->group("");
     command->allow_extras()->prefix_command();
-    command->callback(
-        [removed] { throw polyfly::Error(std::string(removed.name) + ": was removed; " + removed.instead); });
+    const std::string text = name + ": was removed; " + removed.instead;
+    command->callback([text] { throw polyfly::Error(text); });
   }
+}
+
+void addRemoved(CLI::App& app) {
+  addRemoved(app, {{"count"},
+                   "'solve --region-limit N' ends with exit code 3 where there are more than N regions"});
+  addRemoved(*app.get_subcommand("set"),
+             {{"check", "contains", "equal", "image", "info", "intersect", "minimal", "minkowski",
+               "pontryagin", "preimage", "project", "subset", "support", "vertices", "volume"},
+              "'set invariant' stays, and polytope_sets/exact_polytope.hpp computes with polytopes in C++"});
 }
 
 const char kMainFooter[] =
@@ -53,7 +59,6 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;
   polyfly::addSolve(app, exit_code);
-  addRemoved(app);
   polyfly::addCondense(app, exit_code);
   polyfly::addInfo(app, exit_code);
   polyfly::addEval(app, exit_code);
@@ -67,6 +72,7 @@ int main(int argc, char** argv) {
   polyfly::addSet(app, exit_code);
   polyfly::addTerminalSet(app, exit_code);
   polyfly::addBounds(app, exit_code);
+  addRemoved(app);
   // Of the processes of a launcher, which all fail alike, one speaks.
   return polyfly::runTool(
       app, argc, argv, [&] { return static_cast<int>(exit_code); }, polyfly::launchedRank() == 0);

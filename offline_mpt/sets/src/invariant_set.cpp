@@ -151,7 +151,7 @@ ExactPolytope predecessor(const SetModel& model, const ExactPolytope& set) {
   const ExactPolytope target = asRows(set);
   const ExactPolytope pairs =
       withStates(withStates(pairsInto(model, target, vertices(model.D)), model.X), target);
-  return project(pairs, firstOnes(model.stateCount()), ProjectionMethod::kElimination);
+  return project(pairs, firstOnes(model.stateCount()));
 }
 
 InvariantSet maximalInvariantSet(const SetModel& model, const InvariantOptions& options) {

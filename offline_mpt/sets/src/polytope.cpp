@@ -57,15 +57,6 @@ class RowList {
   std::vector<Eigen::VectorXd> rows_;
 };
 
-double lengthOfInterval(const Polytope& set) {
-  double lower = -HUGE_VAL, upper = HUGE_VAL;
-  for (int i = 0; i < set.rowCount(); ++i) {
-    if (set.A(i, 0) > 0.0) upper = std::min(upper, set.b[i] / set.A(i, 0));
-    if (set.A(i, 0) < 0.0) lower = std::max(lower, set.b[i] / set.A(i, 0));
-  }
-  return std::max(0.0, upper - lower);
-}
-
 }  // namespace
 
 Polytope rounded(const ExactPolytope& set) {
@@ -161,33 +152,6 @@ Polytope eliminate(const Polytope& set, int column, double tolerance) {
   }
   if (!possible) throw Error("polytope: elimination: the set is empty");
   return minimal(rows.set(), tolerance);
-}
-
-double volume(const Polytope& set, double tolerance) {
-  const int n = set.dimension();
-  if (n == 1) return lengthOfInterval(set);
-  if (chebyshevBall(set).radius <= tolerance) return 0.0;
-  const Polytope facets = minimal(set, tolerance);
-  double sum = 0.0;
-  for (int i = 0; i < facets.rowCount(); ++i) {
-    if (facets.b[i] == 0.0) continue;
-    // On the facet, x_j = (b_i - sum of the others) / a_ij, with a_ij the greatest.
-    Eigen::Index j = 0;
-    facets.A.row(i).cwiseAbs().maxCoeff(&j);
-    const double pivot = facets.A(i, j);
-    RowList rows(n - 1);
-    bool possible = true;
-    for (int k = 0; k < facets.rowCount() && possible; ++k) {
-      if (k == i) continue;
-      const Eigen::VectorXd reduced =
-          (facets.A.row(k) - facets.A(k, j) / pivot * facets.A.row(i)).transpose();
-      Eigen::VectorXd a(n - 1);
-      a << reduced.head(j), reduced.tail(n - 1 - j);
-      possible = rows.add(a, facets.b[k] - facets.A(k, j) / pivot * facets.b[i], 1.0);
-    }
-    if (possible) sum += facets.b[i] / std::abs(pivot) * volume(rows.set(), tolerance);
-  }
-  return sum / n;
 }
 
 }  // namespace polyfly

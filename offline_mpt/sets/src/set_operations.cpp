@@ -104,23 +104,6 @@ ExactPolytope intersect(const ExactPolytope& first, const ExactPolytope& second)
   return result;
 }
 
-ExactPolytope translate(const ExactPolytope& set, const RationalVector& by) {
-  requireDimension(set, by.size(), "translation");
-  ExactPolytope result = set;
-  for (ExactHalfSpace& row : result.rows) row.b += dot(row.a, by);
-  for (ExactHalfSpace& row : result.equalities) row.b += dot(row.a, by);
-  return result;
-}
-
-ExactPolytope affineImage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m) {
-  requireDimension(set, static_cast<std::size_t>(M.columns()), "affine image");
-  Generators all = generators(set);
-  for (RationalVector& vertex : all.vertices) vertex = affine(M, vertex, m);
-  for (RationalVector& ray : all.rays) ray = affine(M, ray);
-  for (RationalVector& line : all.lines) line = affine(M, line);
-  return hull(M.rows(), all);
-}
-
 ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m) {
   requireDimension(set, static_cast<std::size_t>(M.rows()), "affine preimage");
   ExactPolytope result;
@@ -133,18 +116,13 @@ ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const 
   return result;
 }
 
-ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep, ProjectionMethod method) {
+ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep) {
   std::vector<char> kept(static_cast<std::size_t>(set.dimension), 0);
   for (const int j : keep) {
     if (j < 0 || j >= set.dimension || kept[static_cast<std::size_t>(j)] != 0)
       throw Error("polytope: projection: coordinates to keep must be within 0.." +
                   std::to_string(set.dimension - 1) + " and differ, got " + std::to_string(j));
     kept[static_cast<std::size_t>(j)] = 1;
-  }
-  if (method == ProjectionMethod::kGenerators) {
-    RationalMatrix M(static_cast<int>(keep.size()), set.dimension);
-    for (int i = 0; i < M.rows(); ++i) M(i, keep[static_cast<std::size_t>(i)]) = 1;
-    return affineImage(set, M);
   }
   ExactPolytope result = minimal(set);
   for (int j = set.dimension - 1; j >= 0; --j) {
@@ -156,72 +134,6 @@ ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep, Pr
     places.push_back(static_cast<std::size_t>(
         std::count_if(keep.begin(), keep.end(), [j](int other) { return other < j; })));
   return reorder(result, places);
-}
-
-ExactPolytope minkowskiSum(const ExactPolytope& first, const ExactPolytope& second) {
-  requireDimension(second, static_cast<std::size_t>(first.dimension), "Minkowski sum");
-  const Generators one = generators(first), other = generators(second);
-  Generators sum;
-  for (const RationalVector& x : one.vertices) {
-    for (const RationalVector& y : other.vertices) {
-      RationalVector point = x;
-      for (std::size_t j = 0; j < point.size(); ++j) point[j] += y[j];
-      sum.vertices.push_back(std::move(point));
-    }
-  }
-  for (const Generators* part : {&one, &other}) {
-    sum.rays.insert(sum.rays.end(), part->rays.begin(), part->rays.end());
-    sum.lines.insert(sum.lines.end(), part->lines.begin(), part->lines.end());
-  }
-  return hull(first.dimension, sum);
-}
-
-ExactPolytope pontryaginDifference(const ExactPolytope& first, const ExactPolytope& second) {
-  requireDimension(second, static_cast<std::size_t>(first.dimension), "Pontryagin difference");
-  const Generators other = generators(second);
-  if (other.vertices.empty()) throw Error("polytope: Pontryagin difference: the second set is empty");
-  ExactPolytope result = first;
-  bool fits = true;
-  const auto shrink = [&](ExactHalfSpace& row, bool equality) {
-    Rational greatest = dot(row.a, other.vertices[0]);
-    const Rational start = greatest;
-    for (const RationalVector& vertex : other.vertices) {
-      const Rational value = dot(row.a, vertex);
-      if (equality && value != start) fits = false;
-      if (value > greatest) greatest = value;
-    }
-    for (const RationalVector& ray : other.rays)
-      fits = fits && (equality ? dot(row.a, ray) == 0 : dot(row.a, ray) <= 0);
-    for (const RationalVector& line : other.lines) fits = fits && dot(row.a, line) == 0;
-    row.b -= greatest;
-  };
-  for (ExactHalfSpace& row : result.rows) shrink(row, false);
-  for (ExactHalfSpace& row : result.equalities) shrink(row, true);
-  return fits ? minimal(result) : hull(first.dimension, std::vector<RationalVector>());
-}
-
-std::vector<ExactPolytope> subtract(const ExactPolytope& set, const ExactPolytope& cut) {
-  requireDimension(cut, static_cast<std::size_t>(set.dimension), "difference");
-  std::vector<ExactPolytope> parts;
-  ExactPolytope rest = minimal(set);
-  std::vector<ExactHalfSpace> rows = cut.rows;
-  for (const ExactHalfSpace& row : cut.equalities) {
-    rows.push_back(row);
-    ExactHalfSpace other{row.a, Rational(-row.b)};
-    for (Rational& value : other.a) value = -value;
-    rows.push_back(std::move(other));
-  }
-  for (const ExactHalfSpace& row : rows) {
-    ExactPolytope outside = rest;
-    ExactHalfSpace other{row.a, Rational(-row.b)};
-    for (Rational& value : other.a) value = -value;
-    outside.rows.push_back(std::move(other));
-    outside = minimal(outside);
-    if (affineDimension(outside) == set.dimension) parts.push_back(std::move(outside));
-    rest.rows.push_back(row);
-    rest = minimal(rest);
-  }
-  return parts;
 }
 
 }  // namespace polyfly

@@ -180,53 +180,5 @@ E: [[0], [1], [0]]
   }
 }
 
-// x+ = 1.5 x - d saturated: u = -x where |x| <= 1, -+1 beyond. Stays for ever exactly where |x| <= 2 - 2 |d|.
-TEST(InvariantUnion, SaturatedScalar) {
-  const auto interval = [](const Rational& low, const Rational& high) {
-    return ExactPolytope::box({low}, {high});
-  };
-  const auto scalar = [](const Rational& value) {
-    RationalMatrix matrix(1, 1);
-    matrix(0, 0) = value;
-    return matrix;
-  };
-  const Rational half(1, 2), slope(3, 2);
-  const std::vector<AffineMode> modes = {
-      {interval(-4, -1), scalar(slope), {Rational(1)}},
-      {interval(-1, 1), scalar(half), {Rational(0)}},
-      {interval(1, 4), scalar(slope), {Rational(-1)}},
-  };
-  UnionOptions options;
-  options.max_iterations = 40;
-  const InvariantUnion result = maximalInvariantUnion(modes, interval(-4, 4), scalar(1),
-                                                      interval(Rational(-1, 4), Rational(1, 4)), options);
-  // The limit |x| <= 3/2 is approached by a geometric series, never reached: each iterate holds it.
-  EXPECT_EQ(result.status, InvariantSet::Status::kLimit);
-  Rational length;
-  for (const ExactPolytope& part : result.parts) length += volume(part);
-  EXPECT_GT(length, 3);
-  EXPECT_LT(length - 3, Rational(1, 100000));
-}
-
-// Domain [0, 3]: the middle third jumps out, the right one into the middle, the left one stays.
-TEST(InvariantUnion, FindsANonConvexSet) {
-  const auto interval = [](int low, int high) {
-    return ExactPolytope::box({Rational(low)}, {Rational(high)});
-  };
-  RationalMatrix one(1, 1);
-  one(0, 0) = 1;
-  const std::vector<AffineMode> modes = {
-      {interval(0, 1), one, {Rational(0)}},
-      {interval(1, 2), one, {Rational(5)}},
-      {interval(2, 3), one, {Rational(-2)}},
-  };
-  ExactPolytope none;  // no disturbance
-  const InvariantUnion result = maximalInvariantUnion(modes, interval(0, 3), RationalMatrix(1, 0), none);
-  ASSERT_EQ(result.status, InvariantSet::Status::kMaximal);
-  ASSERT_EQ(result.parts.size(), 2u);
-  EXPECT_TRUE(equal(result.parts[0], interval(0, 1)));
-  EXPECT_TRUE(equal(result.parts[1], interval(2, 3)));
-}
-
 }  // namespace
 }  // namespace polyfly

@@ -28,27 +28,6 @@ ExactPolytope randomSet(Random& random, int dimension, int rows) {
   return result;
 }
 
-TEST(Polytope, VolumeAgreesWithTheExactOne) {
-  Random random(4);
-  for (int n = 1; n <= 5; ++n) {
-    const ExactPolytope set = randomSet(random, n, 5);
-    const double exact = volume(set).get_d();
-    EXPECT_NEAR(volume(rounded(set), kTolerance), exact, 1e-9 * exact) << n;
-  }
-}
-
-TEST(Polytope, VolumeOfTheSimplexAndOfNothing) {
-  Polytope simplex;
-  simplex.A.resize(4, 3);
-  simplex.A << -1, 0, 0, 0, -1, 0, 0, 0, -1, std::sqrt(1 / 3.0), std::sqrt(1 / 3.0), std::sqrt(1 / 3.0);
-  simplex.b.resize(4);
-  simplex.b << 0, 0, 0, std::sqrt(1 / 3.0);
-  EXPECT_NEAR(volume(simplex, kTolerance), 1.0 / 6.0, 1e-12);
-  simplex.b[3] = -0.1;
-  EXPECT_EQ(volume(simplex, kTolerance), 0.0);
-  EXPECT_LT(chebyshevBall(simplex).radius, 0.0);
-}
-
 TEST(Polytope, MinimalRowsSupportAndEliminationAgreeWithTheExactOnes) {
   Random random(14);
   for (int k = 0; k < 20; ++k) {

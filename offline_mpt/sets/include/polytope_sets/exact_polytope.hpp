@@ -82,32 +82,16 @@ struct ExactBox {
 ExactBox boundingBox(const ExactPolytope& set);
 
 /// The operations below throw Error when dimensions do not fit; their results are minimal (see minimal)
-/// except for intersect, translate and preimage.
+/// except for intersect and preimage.
 ExactPolytope intersect(const ExactPolytope& first, const ExactPolytope& second);
-ExactPolytope translate(const ExactPolytope& set, const RationalVector& by);
-
-/// {M x + m : x in set}, by the generators.
-ExactPolytope affineImage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m = {});
 
 /// {x : M x + m in set}.
 ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m = {});
 
-/// How a projection is computed. Both are exact. kGenerators lists the vertices, drops coordinates and takes the
-/// hull: good for many dropped coordinates and few vertices. kElimination is Fourier and Motzkin's, one coordinate at
-/// a time, with redundant rows removed after each. It is good for few dropped coordinates of a set with many
-/// vertices. A step can square the number of rows before they are removed.
-enum class ProjectionMethod { kGenerators, kElimination };
-
-/// {x_keep : x in set}, coordinates in the order of `keep` (from 0, each at most once).
-ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep,
-                      ProjectionMethod method = ProjectionMethod::kGenerators);
-
-/// {x + y : x in first, y in second}, by the generators.
-ExactPolytope minkowskiSum(const ExactPolytope& first, const ExactPolytope& second);
-
-/// {x : x + y in first for all y in second}. `second` must not be empty; where it is unbounded in a direction
-/// in which `first` is not, the result is empty.
-ExactPolytope pontryaginDifference(const ExactPolytope& first, const ExactPolytope& second);
+/// {x_keep : x in set}, coordinates in the order of `keep` (from 0, each at most once). Fourier and Motzkin's elimination,
+/// one coordinate at a time, with redundant rows removed after each. It is good for few dropped coordinates of a set with
+/// many vertices. A step can square the number of rows before they are removed.
+ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep);
 
 /// Volume in `dimension` dimensions, 0 where the set is flat or empty: simplices from the exact vertices
 /// (Cohen and Hickey, 1979). Throws Error when it is unbounded.
@@ -117,9 +101,5 @@ Rational volume(const ExactPolytope& set);
 /// touch, they share a face.
 std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
                                                   const std::vector<RationalVector>& vertices);
-
-/// The closures of the parts of `set` that lie outside of `cut`, without common interior points; parts
-/// without interior are left out.
-std::vector<ExactPolytope> subtract(const ExactPolytope& set, const ExactPolytope& cut);
 
 }  // namespace polyfly

@@ -56,31 +56,4 @@ struct InvarianceProof {
 };
 InvarianceProof proveInvariant(const SetModel& model, const ExactPolytope& set);
 
-/// x+ = A x + c + E d where x lies in `region`; regions without common interior.
-struct AffineMode {
-  ExactPolytope region;
-  RationalMatrix A;
-  RationalVector c;
-};
-
-/// The maximal set of states that never leave the union of the regions of a piecewise-affine closed loop. The union
-/// must be convex and be given as `domain`. The result is in general not convex: polytopes without common interior,
-/// each within one region. Exact.
-struct InvariantUnion {
-  InvariantSet::Status status = InvariantSet::Status::kLimit;
-  std::vector<ExactPolytope> parts;
-  int iterations = 0;
-};
-struct UnionOptions {
-  int max_iterations = 200;
-  std::size_t max_parts = 20000;  ///< more: kLimit
-  const std::atomic<bool>* stop = nullptr;
-};
-
-/// What is removed are states that some d takes into the interior of what was removed before, or out of the
-/// domain. Boundaries are kept.
-InvariantUnion maximalInvariantUnion(const std::vector<AffineMode>& modes, const ExactPolytope& domain,
-                                     const RationalMatrix& E, const ExactPolytope& D,
-                                     const UnionOptions& options = {});
-
 }  // namespace polyfly

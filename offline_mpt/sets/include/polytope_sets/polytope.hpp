@@ -43,9 +43,4 @@ Polytope minimal(const Polytope& set, double tolerance);
 /// The set of all but coordinate `column` (from 0): Fourier and Motzkin's elimination, then `minimal`.
 Polytope eliminate(const Polytope& set, int column, double tolerance);
 
-/// Volume by Lasserre's recursion over faces (1983), redundant rows removed at each; a face whose inscribed
-/// ball is smaller than `tolerance` counts nothing. The work grows with the number of chains of faces: up to
-/// about 6 dimensions.
-double volume(const Polytope& set, double tolerance);
-
 }  // namespace polyfly
