@@ -233,17 +233,4 @@ bool equal(const ExactPolytope& first, const ExactPolytope& second) {
   return contains(first, second) && contains(second, first);
 }
 
-ExactBox boundingBox(const ExactPolytope& set) {
-  const std::vector<RationalVector> points = vertices(set);
-  if (points.empty()) throw Error("polytope: bounding box: the set is empty");
-  ExactBox box{points[0], points[0]};
-  for (const RationalVector& point : points) {
-    for (std::size_t j = 0; j < point.size(); ++j) {
-      if (point[j] < box.lower[j]) box.lower[j] = point[j];
-      if (point[j] > box.upper[j]) box.upper[j] = point[j];
-    }
-  }
-  return box;
-}
-
 }  // namespace polyfly

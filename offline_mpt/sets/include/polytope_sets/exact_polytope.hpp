@@ -74,13 +74,6 @@ bool contains(const ExactPolytope& outer, const ExactPolytope& inner);
 /// Whether both sets have the same points.
 bool equal(const ExactPolytope& first, const ExactPolytope& second);
 
-/// Least and greatest value of each coordinate of a set that must be bounded and not empty. Throws Error.
-struct ExactBox {
-  RationalVector lower;
-  RationalVector upper;
-};
-ExactBox boundingBox(const ExactPolytope& set);
-
 /// The operations below throw Error when dimensions do not fit; their results are minimal (see minimal)
 /// except for intersect and preimage.
 ExactPolytope intersect(const ExactPolytope& first, const ExactPolytope& second);
