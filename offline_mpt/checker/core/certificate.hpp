@@ -28,15 +28,11 @@ struct Region {
   std::set<std::size_t> active;
   /// Conditions of optimality, domain and box, by origin.
   std::map<std::string, Row> rows;
-  /// By origin, multipliers are this many times their rows, and slacks as shares of the greatest entry of their row of A.
-  std::map<std::string, Fraction> units;
   /// Rows of extensions that must follow too, by the key of their proof and their origin.
   std::map<std::string, Row> further;
   std::vector<Row> listed;
   /// Number of listed rows that are rows of the map.
   std::size_t own = 0;
-  /// How much below zero each own row can be where a look-up answers.
-  Vector violated;
   /// Greatest difference between a row of the map and its condition.
   Fraction plane_error;
   Vector law;
@@ -47,9 +43,8 @@ struct Optimum {
   Integer determinant;
   /// Variables times the determinant, p + 1 numbers each.
   std::vector<Row> z;
-  /// Conditions of the active rows, and their units, by origin.
+  /// Conditions of the active rows, by origin.
   std::map<std::string, Row> multipliers;
-  std::map<std::string, Fraction> units;
 };
 
 /// Slack of an inequality in t: row (t, 1) >= 0.
@@ -97,8 +92,6 @@ class Certificate {
   virtual void requireCount(std::size_t claims) const;
   /// Whether the program is strictly convex, and all regions and all half-spaces of each are in the map.
   bool statesBounds() const;
-  /// Whether every row counts as it stands in the program.
-  virtual bool provesAllRows() const { return true; }
   /// The rest of a line that begins with `key`: the origin of a row of the last claim, and why it follows.
   void readFollows(const std::string& key, Line& line);
   Claim& lastClaim(const std::string& key);
@@ -138,8 +131,7 @@ class Certificate {
   /// Statements 3 and 4; checkedRegion has shown 1 and 2.
   virtual ProvenRegion checkRegion(std::size_t index, const Region& region) const;
   ProvenRegion proveFacets(std::size_t index, const Region& region) const;
-  /// 6, look-ups: nearby_program.cpp, then lookups.hpp.
-  void boundChanges(std::size_t index, const Region& region) const;
+  /// 6, look-ups: lookups.hpp.
   virtual void checkLookups(const std::vector<ProvenRegion>& regions) const;
 
   Matrices data_;
@@ -162,7 +154,6 @@ class Certificate {
   void addSlackOf(std::size_t i, const Optimum& solution, Region& region) const;
   void addDomain(Region& region) const;
   void checkPoint(const Claim& claim, const Region& region) const;
-  Fraction violationOf(std::size_t index, const Region& region, const std::string& origin) const;
   std::size_t nextRegion(Line& line, const Region& region, const Row& plane) const;
   void checkCover(Line& line, const Row& plane, std::vector<const Row*> cell,
                   std::vector<std::size_t>& used) const;
@@ -176,8 +167,6 @@ class Certificate {
   /// Greatest difference of a law in the box, what its tolerance is a share of, and change of u from the centre of the box;
   /// found by check().
   mutable Fraction law_error_, greatest_scale_, greatest_change_;
-  /// Greatest changes of a bound and of f that make an answer an optimum; found by check().
-  mutable Fraction bound_change_, cost_change_;
   /// Some checked regions, to be used again.
   mutable std::map<std::size_t, Region> checked_;
 };

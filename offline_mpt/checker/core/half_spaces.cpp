@@ -49,7 +49,6 @@ void Certificate::checkMapRows(std::size_t index, Region& region) const {
     for (std::size_t j = 0; j <= p_; ++j) difference += abs(mapped[j] - factor * exact[j]);
     require(difference <= plane_tolerance_, "a plane of the map is not the exact one");
     region.plane_error = std::max(region.plane_error, difference);
-    region.violated.push_back((kReach * Fraction(map_.tolerance) + difference) / factor);
     region.listed.push_back(exact);
   }
   region.own = region.listed.size();

@@ -83,7 +83,6 @@ Region Certificate::describe(std::size_t index) const {
   rows.insert(rows.end(), region.active.begin(), region.active.end());
   const Optimum solution = optimum(rows);
   region.rows = solution.multipliers;
-  region.units = solution.units;
   for (std::size_t i = 0; i < m_; ++i) {
     if (!contains(rows, i)) addSlackOf(i, solution, region);
   }
@@ -126,7 +125,6 @@ Optimum Certificate::optimum(const std::vector<std::size_t>& rows) const {
     if (i < n_ + basis_.size()) continue;
     const std::string origin = tag::origin(tag::kMultiplier, rows[i - n_]);
     result.multipliers[origin] = primitive(unknown);
-    result.units[origin] = Fraction(unitOf(unknown)) / result.determinant;
   }
   return result;
 }
@@ -151,11 +149,6 @@ void Certificate::addSlackOf(std::size_t i, const Optimum& solution, Region& reg
 void Certificate::addSlack(std::size_t i, const Slack& slack, Region& region) const {
   if (equalities_.count(i) == 0) {
     region.rows[tag::origin(tag::kSlack, i)] = primitive(slack.value);
-    // A row without z has its own greatest entry as size.
-    Integer size = slack.size;
-    for (std::size_t j = 0; j <= p_ && slack.size == 0; ++j)
-      size = std::max(size, Integer(abs(slack.value[j])));
-    if (size > 0) region.units[tag::origin(tag::kSlack, i)] = Fraction(unitOf(slack.value)) / size;
     return;
   }
   for (const Integer& value : slack.value) require(value == 0, "an equality does not hold");

@@ -47,7 +47,6 @@ class ExtendedCertificate : public Certificate {
   void finish() override;
   const Matrices& originalData() const override { return original_; }
   std::set<std::size_t> equalityRows() const;
-  bool provesAllRows() const override { return dropped_.empty() && relaxed_.empty(); }
   bool isLeftOut(std::size_t row) const override { return dropped_.count(row) > 0; }
   void relaxBounds();
   void addSlack(std::size_t i, const Slack& slack, Region& region) const override;
