@@ -140,14 +140,13 @@ void removeCheckpoint(const SolveArguments& options, const Partition& partition)
 }
 
 MapContent encodeWithProgress(const ParametricProgram& program, const Partition& partition,
-                              const SolveArguments& options, ProcessGroup* group) {
+                              const SolveArguments& options) {
   Progress progress(options.quiet);
   TreeOptions tree;
   tree.threads = options.explore.threads;
   // Of a part the regions count, and they have a second.
   tree.mode = isStopped(partition) ? TreeMode::kFast : options.tree_mode;
   tree.node_limit = options.tree_nodes;
-  tree.group = group;
   tree.progress = [&](std::uint64_t done, std::uint64_t total) {
     progress.show("search tree of " + std::to_string(partition.regions.size()) + " regions, " +
                   std::to_string(100 * done / std::max<std::uint64_t>(total, 1)) + " %");
@@ -219,7 +218,7 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
     session.abort();
     return ExitCode::kStopped;
   }
-  if (isStopped(partition)) clock.leave(session);  // its tree takes little time, or ends the program
+  clock.leave(session);
   if (partition.status == ExploreStatus::kInfeasible) {
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
   }
@@ -232,20 +231,9 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
     return exitCode(partition.status);
   }
   limitTree(options, partition);
-  MapContent content;
-  try {
-    ProcessGroup* const group = isStopped(partition) ? nullptr : session.group();
-    content = inFile(options.problem, program,
-                     [&] { return encodeWithProgress(program, partition, options, group); });
-  } catch (const LostProcess& lost) {
-    ignoreSignals();  // the end of the job is one
-    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost; %s\n", options.map.c_str(),
-                 lost.rank(), whatRemains(options, partition).c_str());
-    session.abort();
-    return ExitCode::kStopped;
-  }
+  MapContent content =
+      inFile(options.problem, program, [&] { return encodeWithProgress(program, partition, options); });
   clock.end(&PhaseSeconds::encode);
-  if (!isStopped(partition)) clock.leave(session);
   addSoftBounds(program, partition, options, &content);
   clock.end(&PhaseSeconds::encode);
   const bool is_right = answersRight(options, program, content);
@@ -270,16 +258,13 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
 // A process of an MPI launcher that is not the first. It says nothing, and process 0 tells it when to end: a
 // signal to all of them must leave process 0 the time to save.
 void assist(const SolveArguments& options, MpiSession& session) {
-  MpiGroup& group = *session.group();
   PhaseClock clock;
   ignoreSignals();
   const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) return;  // process 0 solves it alone
   clock.end(&PhaseSeconds::load);
-  const bool goes_on = runWorkerProcess(input.program, options.explore, group);
+  runWorkerProcess(input.program, options.explore, *session.group());
   clock.end(&PhaseSeconds::explore);
-  if (goes_on) runTreeProcess(group, options.explore.threads);
-  clock.end(&PhaseSeconds::encode);
   clock.leave(session);
 }
 

@@ -89,59 +89,6 @@ TEST_F(ProcessGroupTest, StoppedAndResumedGivesTheSameBytes) {
   }
 }
 
-// Trees of each mode, some short of nodes or memory, by processes of different numbers of threads.
-TEST_F(ProcessGroupTest, ProcessesDoNotChangeTheTree) {
-  std::vector<TreeOptions> trees(5);
-  trees[1].mode = TreeMode::kFast;
-  trees[2].mode = TreeMode::kSmall;
-  trees[3].node_limit = 37;
-  trees[4].memory_limit = 2000 * whole_.regions.size();
-  std::vector<std::vector<std::byte>> expected;
-  for (const TreeOptions& tree : trees) expected.push_back(layOut(encode(program_, whole_, tree)));
-  for (int others = 1; others <= 3; ++others) {
-    std::vector<Part> parts;
-    for (int k = 1; k <= others; ++k) parts.emplace_back([k](Member& member) { runTreeProcess(member, k); });
-    const auto bytes = leadWith(parts, [&](Member& leader) {
-      std::vector<std::vector<std::byte>> all;
-      for (TreeOptions tree : trees) {
-        tree.group = &leader;
-        tree.threads = others;
-        all.push_back(layOut(encode(program_, whole_, tree)));
-      }
-      return all;
-    });
-    EXPECT_EQ(bytes, expected) << others;
-  }
-}
-
-TEST_F(ProcessGroupTest, ExplorationAndTreeByTheSameProcesses) {
-  const Part both = [this](Member& member) {
-    if (runWorkerProcess(program_, {}, member)) runTreeProcess(member, 1);
-  };
-  const auto bytes = leadWith({both, both}, [this](Member& leader) {
-    options_.group = &leader;
-    TreeOptions tree;
-    tree.group = &leader;
-    return layOut(encode(program_, explore(program_, options_), tree));
-  });
-  EXPECT_EQ(bytes, layOut(encode(program_, whole_)));
-}
-
-TEST_F(ProcessGroupTest, AProcessThatIsLostEndsTheTree) {
-  const Part dies = [](Member& member) { member.die(); };
-  const Part builds = [](Member& member) { runTreeProcess(member, 1); };
-  try {
-    leadWith({builds, dies}, [this](Member& leader) {
-      TreeOptions tree;
-      tree.group = &leader;
-      return encode(program_, whole_, tree);
-    });
-    FAIL() << "a process was lost";
-  } catch (const LostProcess& lost) {
-    EXPECT_EQ(lost.rank(), 2);
-  }
-}
-
 // It takes work, answers nothing and ends.
 void takeAndDie(const ParametricProgram& program, Member& member) {
   class Thief : public ProcessGroup {

@@ -20,12 +20,6 @@ Row primitive(const Vector& values) {
 
 Row primitive(const Row& values) { return primitive(Vector(values.begin(), values.end())); }
 
-Integer unitOf(const Row& values) {
-  Integer divisor(0);
-  for (const Integer& value : values) divisor = gcd(divisor, value);
-  return divisor == 0 ? Integer(1) : divisor;
-}
-
 Row negated(const Row& row) {
   Row result = row;
   for (Integer& value : result) value = -value;

@@ -32,8 +32,6 @@ constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
 /// The same half-space in whole numbers without a common factor.
 Row primitive(const Vector& values);
 Row primitive(const Row& values);
-/// values are this many times primitive(values).
-Integer unitOf(const Row& values);
 
 /// The other side of a half-space.
 Row negated(const Row& row);

@@ -11,8 +11,8 @@
 namespace polyfly {
 
 /// Transport between processes that work together, numbered from 0. Process 0 explores with ExploreOptions::group set
-/// and has the result; the others call runWorkerProcess. With TreeOptions::group it then builds the search tree; the
-/// others call runTreeProcess. The library itself does not depend on MPI. Not thread-safe.
+/// and has the result; the others call runWorkerProcess. The
+/// library itself does not depend on MPI. Not thread-safe.
 class ProcessGroup {
  public:
   virtual ~ProcessGroup() = default;
@@ -48,9 +48,9 @@ class LostProcess : public std::runtime_error {
 };
 
 /// Processes active sets for process 0 on options.threads threads. Returns when process 0 ends the exploration or the
-/// group, or its heartbeat times out: true where the group goes on. Limits, checkpoint and progress belong to
-/// process 0. A bad problem is reported to process 0, whose exploration then throws.
-bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
+/// group, or its heartbeat times out. Limits, checkpoint and progress belong to process 0. A bad problem is reported to
+/// process 0, whose exploration then throws.
+void runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
 
 /// For all processes, before they work together: waits for all, and throws Error in each unless all have read the same.
 /// `read` says what this process has read, or why it could not. The error names each text and who told it. Throws

@@ -9,8 +9,6 @@
 
 namespace polyfly {
 
-class ProcessGroup;
-
 /// Regions in scaled parameters: each parameter's range is [-1, 1]. A plane is p + 1 numbers (a, c) with |a| = 1,
 /// the half-space a . t <= c. Rows refer to planes as MapContent::rows does.
 struct TreeRegions {
@@ -18,8 +16,7 @@ struct TreeRegions {
   std::vector<double> planes;
   std::vector<std::vector<std::int32_t>> rows;  ///< per region
   std::vector<double> centres;                  ///< per region p numbers, strictly inside
-  /// Per region its law. Where it is given, planes that divide laws come before those that divide regions only. Other
-  /// processes are not told.
+  /// Per region its law. Where it is given, planes that divide laws come before those that divide regions only.
   std::vector<std::uint32_t> laws;
 };
 
@@ -83,9 +80,6 @@ struct TreeOptions {
   double least_cell = 0.0;
   /// Number of threads. The tree does not depend on it.
   int threads = 1;
-  /// Other processes that build the tree with this one, process 0; not owned. The tree does not depend on them. They
-  /// call runTreeProcess.
-  ProcessGroup* group = nullptr;
   /// Set from outside to end early, with the tree as far as it has grown.
   const std::atomic<bool>* stop = nullptr;
   /// Called now and then from the calling thread.
@@ -99,14 +93,9 @@ struct TreeOptions {
 /// Linear programs decide on which sides of a plane a region stays. It stays on each side on which its part within
 /// the cell of the node reaches further than side_tolerance. Of its rows, those count that bound this part within the
 /// cell, unless all_rows is set. Each split takes the plane after which the fuller side has the fewest rows to test.
-///
-/// With a group it throws LostProcess, or Error where another process fails.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});
 
 /// Makes it the search tree of the map: all but its notes.
 void moveTree(SearchTree tree, MapContent& content);
-
-/// Builds search trees with process 0, on so many threads, until that ends the group.
-void runTreeProcess(ProcessGroup& group, int threads);
 
 }  // namespace polyfly

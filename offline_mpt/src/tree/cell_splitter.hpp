@@ -45,9 +45,8 @@ class CellSplitter {
   /// The rows to test of a member, as MapContent::tests.
   std::uint32_t testsOf(const CellMember& member) const { return solvers_.front().members.testsOf(member); }
 
-  /// Simplex pivots of all threads, or of one.
+  /// Simplex pivots of all threads.
   std::uint64_t pivots() const;
-  std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].pivots(); }
 
  private:
   /// What a thread asks.

@@ -9,7 +9,6 @@
 #include "support/in_parallel.hpp"
 #include "tree/cell_splitter.hpp"
 #include "tree/growth_limit.hpp"
-#include "tree/tree_group.hpp"
 #include "tree/tree_leaves.hpp"
 
 namespace polyfly {
@@ -50,15 +49,11 @@ class TreeGrower {
       : regions_(regions),
         options_(options),
         splitter_(regions, options),
-        limit_(regions, options),
-        group_(options.group) {}
+        limit_(regions, options) {}
 
   SearchTree run() {
-    group_.begin(regions_, options_);
-    auto whole = std::make_unique<Cell>(splitter_.whole());
+    addCell(splitter_.whole());
     now_.pivots = splitter_.pivots();
-    const CellFacts facts = factsOf(*whole);
-    addCell(facts, ShareRange(), std::move(whole));
     TreeEnd end = grow(limit_);
     if (end == TreeEnd::kMemory) end = growParts();
     finishLeaves(0);
@@ -82,10 +77,9 @@ class TreeGrower {
     std::uint32_t depth = 0;
     /// Its node, or kUnsplit, or kFinished: of a leaf only what a map holds is left.
     std::uint32_t node = kUnsplit;
-    ShareRange shares;
     /// Of a finished leaf, its first one of the candidates and tests that are kept.
     std::size_t first_kept = 0;
-    /// Where this process holds it, until it is split or finished.
+    /// Until it is split or finished.
     std::unique_ptr<Cell> cell;
   };
 
@@ -99,16 +93,10 @@ class TreeGrower {
     }
   };
 
-  CellFacts factsOf(const Cell& cell) const {
-    return {cell.path.size() + splitter_.tests(cell), memoryOf(cell),
-            static_cast<std::uint32_t>(cell.members.size()), static_cast<std::uint32_t>(cell.path.size())};
-  }
-
   TreeEnd grow(GrowthLimit& limit) {
     for (;;) {
       if (open_.empty()) return TreeEnd::kNoGain;
-      if (group_.isAlone()) stop_ = stopRequested();
-      if (stop_) return TreeEnd::kStopped;
+      if (options_.stop != nullptr && options_.stop->load()) return TreeEnd::kStopped;
       now_.nodes = nodes_.size();
       now_.worst = open_.top().cost;
       if (const std::optional<TreeEnd> end = limit.reached(now_)) return *end;
@@ -116,8 +104,6 @@ class TreeGrower {
       reportProgress();
     }
   }
-
-  bool stopRequested() const { return options_.stop != nullptr && options_.stop->load(); }
 
   /// Where the cells of the whole tree take too much memory: grows from one cell after the other, and keeps of its
   /// leaves only what a map holds. Each gets the share of what is left that its look-ups have of all.
@@ -148,26 +134,28 @@ class TreeGrower {
     return end;
   }
 
-  void addCell(const CellFacts& facts, ShareRange shares, std::unique_ptr<Cell> cell) {
+  void addCell(Cell cell) {
     const auto number = static_cast<std::uint32_t>(cells_.size());
-    now_.bytes += bytesOf(facts.members);
-    now_.memory += facts.memory;
-    cells_.push_back({facts.memory, facts.members, facts.depth, kUnsplit, shares, 0,
-                      group_.holds(shares) ? std::move(cell) : nullptr});
-    if (facts.members > 1) open_.push({facts.cost, number});
+    const auto members = static_cast<std::uint32_t>(cell.members.size());
+    const auto depth = static_cast<std::uint32_t>(cell.path.size());
+    const std::uint64_t memory = memoryOf(cell);
+    if (members > 1) open_.push({depth + splitter_.tests(cell), number});
+    now_.bytes += bytesOf(members);
+    now_.memory += memory;
+    cells_.push_back({memory, members, depth, kUnsplit, 0, std::make_unique<Cell>(std::move(cell))});
   }
 
-  bool isLarge(const Open& open) const { return cells_[open.cell].members > kLargeCell; }
+  bool isLarge(std::uint32_t cell) const { return cells_[cell].members > kLargeCell; }
 
   /// At most so many cells, and at least one. All of them are large, or none is.
   std::vector<std::uint32_t> takeBatch(std::uint64_t limit) {
     std::vector<std::uint32_t> batch;
     const auto least = static_cast<std::uint64_t>(kNearWorst * static_cast<double>(open_.top().cost));
-    const bool large = isLarge(open_.top());
+    const bool large = isLarge(open_.top().cell);
     const bool fast = options_.mode == TreeMode::kFast;
     const std::uint64_t most = large ? (fast ? 1 : kLargeBatch) : (fast ? kFastBatch : kBatch);
     while (batch.size() < std::min(most, limit) && !open_.empty() && open_.top().cost >= least &&
-           isLarge(open_.top()) == large) {
+           isLarge(open_.top().cell) == large) {
       batch.push_back(open_.top().cell);
       open_.pop();
     }
@@ -175,81 +163,37 @@ class TreeGrower {
   }
 
   void splitBatch(const std::vector<std::uint32_t>& batch) {
-    std::vector<ShareRange> shares;
-    for (const std::uint32_t cell : batch) {
-      shares.push_back(cells_[cell].shares);
-      now_.bytes -= bytesOf(cells_[cell].members);
-      now_.memory -= cells_[cell].memory;
-    }
     std::vector<std::optional<CellSplit>> splits(batch.size());
-    std::vector<SplitOutcome> outcomes = splitOwn(batch, splits);
-    stop_ = stopRequested();
-    group_.share(shares, outcomes, stop_);
-    for (std::size_t i = 0; i < batch.size(); ++i) settle(batch[i], outcomes[i], std::move(splits[i]));
-  }
-
-  std::vector<SplitOutcome> splitOwn(const std::vector<std::uint32_t>& batch,
-                                     std::vector<std::optional<CellSplit>>& splits) {
-    std::vector<SplitOutcome> outcomes(batch.size());
-    std::vector<std::size_t> small;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!group_.holds(cells_[batch[i]].shares)) continue;
-      Cell& cell = *cells_[batch[i]].cell;
-      if (cell.members.size() <= kLargeCell) {
-        small.push_back(i);
-        continue;
+    const std::uint64_t before = splitter_.pivots();
+    if (isLarge(batch.front()) || batch.size() == 1) {
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        Cell& cell = *cells_[batch[i]].cell;
+        splits[i] = isLarge(batch[i]) ? splitter_.splitTogether(cell) : splitter_.split(cell, 0);
       }
-      const std::uint64_t before = splitter_.pivots();
-      splits[i] = splitter_.splitTogether(cell);
-      outcomes[i] = outcomeOf(cell, splits[i], splitter_.pivots() - before);
+    } else {
+      inParallel(batch.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
+        splits[i] = splitter_.split(*cells_[batch[i]].cell, thread);
+      });
     }
-    const auto split = [&](std::size_t thread, std::uint64_t k) {
-      const std::size_t i = small[k];
-      Cell& cell = *cells_[batch[i]].cell;
-      const std::uint64_t before = splitter_.pivots(thread);
-      splits[i] = splitter_.split(cell, thread);
-      outcomes[i] = outcomeOf(cell, splits[i], splitter_.pivots(thread) - before);
-    };
-    if (small.size() == 1) {
-      split(0, 0);
-    } else if (!small.empty()) {
-      inParallel(small.size(), options_.threads, nullptr, {}, split);
-    }
-    return outcomes;
+    now_.pivots += splitter_.pivots() - before;
+    for (std::size_t i = 0; i < batch.size(); ++i) settle(batch[i], std::move(splits[i]));
   }
 
-  SplitOutcome outcomeOf(const Cell& cell, const std::optional<CellSplit>& split,
-                         std::uint64_t pivots) const {
-    SplitOutcome outcome;
-    outcome.pivots = pivots;
-    if (!split) {
-      outcome.cell = factsOf(cell);
-      return outcome;
-    }
-    outcome.is_split = 1;
-    outcome.plane = static_cast<std::uint32_t>(split->plane);
-    outcome.below = factsOf(split->below);
-    outcome.above = factsOf(split->above);
-    return outcome;
-  }
-
-  void settle(std::uint32_t number, const SplitOutcome& outcome, std::optional<CellSplit> split) {
-    now_.pivots += outcome.pivots;
+  void settle(std::uint32_t number, std::optional<CellSplit> split) {
     GrowingCell& parent = cells_[number];
-    if (outcome.is_split == 0) {
-      parent.memory = outcome.cell.memory;
-      now_.bytes += bytesOf(parent.members);
+    now_.memory -= parent.memory;
+    if (!split) {
+      parent.memory = memoryOf(*parent.cell);
       now_.memory += parent.memory;
       return;
     }
+    now_.bytes -= bytesOf(parent.members);
     parent.node = static_cast<std::uint32_t>(nodes_.size());
     parent.cell.reset();
-    nodes_.push_back(outcome.plane);
+    nodes_.push_back(static_cast<std::uint32_t>(split->plane));
     now_.bytes += sizeof(MapContent::Node);
-    const ShareRange shares = parent.shares;
-    const auto child = [&](Cell& cell) { return std::make_unique<Cell>(std::move(cell)); };
-    addCell(outcome.below, shares.lowerHalf(), split ? child(split->below) : nullptr);
-    addCell(outcome.above, shares.upperHalf(), split ? child(split->above) : nullptr);
+    addCell(std::move(split->below));
+    addCell(std::move(split->above));
   }
 
   void reportProgress() const {
@@ -259,67 +203,28 @@ class TreeGrower {
 
   /// Of the cells from `first` on, those that are leaves: of them is kept only what a map holds.
   void finishLeaves(std::size_t first) {
-    std::vector<std::uint32_t> leaves, own;
+    std::vector<std::uint32_t> leaves;
     for (std::size_t cell = first; cell < cells_.size(); ++cell) {
-      if (cells_[cell].node != kUnsplit) continue;
-      leaves.push_back(static_cast<std::uint32_t>(cell));
-      if (group_.speaksFor(cells_[cell].shares)) own.push_back(leaves.back());
+      if (cells_[cell].node == kUnsplit) leaves.push_back(static_cast<std::uint32_t>(cell));
     }
     const std::uint64_t before = splitter_.pivots();
-    inParallel(own.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
-      splitter_.finishLeaf(*cells_[own[i]].cell, thread);
+    inParallel(leaves.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
+      splitter_.finishLeaf(*cells_[leaves[i]].cell, thread);
     });
-    const std::uint64_t pivots = splitter_.pivots() - before;
-    if (group_.isAlone()) {
-      now_.pivots += pivots;
-      for (const std::uint32_t leaf : leaves) keep(leaf, listOf(*cells_[leaf].cell));
-    } else {
-      shareLeaves(leaves, own, pivots);
-    }
+    now_.pivots += splitter_.pivots() - before;
+    for (const std::uint32_t leaf : leaves) keep(leaf);
   }
 
-  void shareLeaves(const std::vector<std::uint32_t>& leaves, const std::vector<std::uint32_t>& own,
-                   std::uint64_t pivots) {
-    std::vector<std::byte> mine;
-    ByteWriter out(mine);
-    out.put(pivots);
-    for (const std::uint32_t leaf : own) {
-      const LeafContent list = listOf(*cells_[leaf].cell);
-      writeList(list.candidates, out);
-      writeList(list.tests, out);
-    }
-    const std::vector<std::vector<std::byte>> all = group_.round(std::move(mine));
-    std::vector<ByteReader> in;
-    for (const std::vector<std::byte>& one : all) {
-      in.emplace_back(one.data(), one.size(), "message of the group");
-      now_.pivots += in.back().get<std::uint64_t>();
-    }
-    for (const std::uint32_t leaf : leaves) {
-      const auto speaker = static_cast<std::size_t>(group_.speaker(cells_[leaf].shares));
-      LeafContent list;
-      readList(in[speaker], list.candidates);
-      readList(in[speaker], list.tests);
-      keep(leaf, list);
-    }
-  }
-
-  LeafContent listOf(const Cell& cell) const {
-    LeafContent list;
-    for (const CellMember& member : cell.members) {
-      list.candidates.push_back(member.region);
-      list.tests.push_back(options_.all_rows ? MapContent::kAllRows : splitter_.testsOf(member));
-    }
-    return list;
-  }
-
-  void keep(std::uint32_t number, const LeafContent& list) {
+  void keep(std::uint32_t number) {
     GrowingCell& leaf = cells_[number];
     now_.memory -= leaf.memory;
     leaf.node = kFinished;
     leaf.first_kept = candidates_.size();
+    for (const CellMember& member : leaf.cell->members) {
+      candidates_.push_back(member.region);
+      tests_.push_back(options_.all_rows ? MapContent::kAllRows : splitter_.testsOf(member));
+    }
     leaf.cell.reset();
-    candidates_.insert(candidates_.end(), list.candidates.begin(), list.candidates.end());
-    tests_.insert(tests_.end(), list.tests.begin(), list.tests.end());
   }
 
   /// Nodes in the order of descents, below first.
@@ -344,9 +249,7 @@ class TreeGrower {
   const TreeOptions& options_;
   CellSplitter splitter_;
   GrowthLimit limit_;
-  TreeGroup group_;
   Growth now_;
-  bool stop_ = false;
   std::vector<GrowingCell> cells_;
   std::vector<std::uint32_t> candidates_, tests_;
   std::vector<std::uint32_t> nodes_;  // planes; the children of node i are cells 2 i + 1 and 2 i + 2

@@ -1,10 +1,8 @@
 #include "offline_mpt/search_tree.hpp"
 
-#include <exception>
 #include <utility>
 
 #include "tree/grow_tree.hpp"
-#include "tree/tree_group.hpp"
 
 namespace polyfly {
 namespace {
@@ -38,20 +36,6 @@ SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
     tree.pivots = pivots;
   }
   return tree;
-}
-
-void runTreeProcess(ProcessGroup& group, int threads) {
-  try {
-    while (const auto bytes = GroupExchange::task(group)) {
-      TreeTask task = readTask(*bytes);
-      task.options.threads = threads;
-      task.options.group = &group;
-      growTree(task.regions, task.options);
-    }
-  } catch (const GroupExchange::Ended&) {  // process 0 has said why
-  } catch (const std::exception& error) {
-    reportFailure(error.what(), group);
-  }
 }
 
 }  // namespace polyfly

@@ -9,13 +9,6 @@
 
 namespace polyfly {
 
-/// What a map holds of a leaf.
-struct LeafContent {
-  std::vector<std::uint32_t> candidates;
-  /// The rows to test of each, as MapContent::tests.
-  std::vector<std::uint32_t> tests;
-};
-
 /// Writes leaves to a tree. Equal ones are written once.
 class LeafWriter {
  public:

@@ -117,9 +117,6 @@ class Line {
   /// Whether process 0 has ended the exploration or the group, or fallen silent after it had spoken.
   bool over() const { return over_ || (heard_ && Clock::now() - last_heard_ > kHeartbeatTimeout); }
 
-  /// Whether it has ended the exploration only.
-  bool goesOn() const { return goes_on_; }
-
   /// Takes in all messages; those with work go to `remote` if there is one. False when there was none.
   bool listen(RemoteQueue* remote) {
     bool any = false;
@@ -130,8 +127,7 @@ class Line {
       last_heard_ = Clock::now();
       ByteReader in(message.data(), message.size(), "message of process 0");
       const auto kind = in.get<GroupMessage>();
-      goes_on_ = kind == GroupMessage::kExplored;
-      over_ = goes_on_ || kind == GroupMessage::kEnd;
+      over_ = kind == GroupMessage::kExplored || kind == GroupMessage::kEnd;
       if (kind == GroupMessage::kBatch && remote != nullptr) remote->ask(readBatch(in));
     }
     const Clock::time_point now = Clock::now();
@@ -146,7 +142,6 @@ class Line {
   using Clock = std::chrono::steady_clock;
   ProcessGroup& group_;
   bool over_ = false;
-  bool goes_on_ = false;
   bool heard_ = false;
   Clock::time_point last_heard_;
   Clock::time_point next_sign_ = Clock::now() + kHeartbeatPeriod;
@@ -179,7 +174,7 @@ void exchange(RemoteQueue& remote, Line& line, ProcessGroup& group) {
   }
 }
 
-bool assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOptions& options,
+void assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOptions& options,
             ProcessGroup& group) {
   std::vector<std::byte> hello = groupMessage(GroupMessage::kJoin);
   ByteWriter out(hello);
@@ -192,7 +187,6 @@ bool assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOp
   runWorkers<RegionResult>(workerCount(options), remote,
                            [&](WorkQueue<RegionResult>& queue) { computeRegions(program, options, queue); });
   messages.join();
-  return line.goesOn();
 }
 
 }  // namespace
@@ -213,16 +207,15 @@ void reportFailure(const std::string& reason, ProcessGroup& group) {
   }
 }
 
-bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group) {
+void runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group) {
   try {
     checkProgram(program);
     ParametricProgram explicit_equalities = program;
     if (!findSlaterPoint(explicit_equalities).feasible) throw Error("finds no solution");
     const NormalisedProgram scaled = normalise(explicit_equalities);
-    return assist(scaled, fingerprint(program, options), options, group);
+    assist(scaled, fingerprint(program, options), options, group);
   } catch (const std::exception& error) {
     reportFailure(error.what(), group);
-    return false;
   }
 }
 
