@@ -11,8 +11,8 @@
 namespace polyfly {
 
 /// Transport between processes that work together, numbered from 0. Process 0 explores with ExploreOptions::group set
-/// and has the result; the others call runWorkerProcess. The
-/// library itself does not depend on MPI. Not thread-safe.
+/// and has the result; the others call runWorkerProcess. The library
+/// itself does not depend on MPI. Not thread-safe.
 class ProcessGroup {
  public:
   virtual ~ProcessGroup() = default;
