@@ -31,7 +31,7 @@ requireDebian() {
       docker run -it -v \"\$PWD\":/polyfly -w /polyfly debian:13 ./run demo
   - or build what needs no ROS (solver, region maps, control laws, identification) with CMake:
       cmake --preset release -DBUILD_TESTING=OFF && cmake --build --preset release --target tools
-    which needs CMake 3.21, Ninja, a compiler for C++17, Python 3, and the libraries Eigen 3.4, CGAL, GMP, TBB, NLopt,
+    which needs CMake 3.21, Ninja, a compiler for C++17, Python 3, and the libraries Eigen 3.4, CGAL, GMP, NLopt,
     xxHash, bzip2, lz4, yaml-cpp, nlohmann-json and CLI11; for the tests, also GoogleTest and GLPK."
 }
 

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <thread>
 
 #include "offline_mpt/encode.hpp"
 #include "polyfly_base/error.hpp"
@@ -17,15 +16,6 @@
 
 namespace polyfly {
 namespace {
-
-/// Keeps process 0 from ending before it must have noticed.
-void waitUntilActed(ExploreOptions& options) {
-  Member::acted = Member::begun = false;
-  options.progress = [](const ExploreProgress&) {
-    Member::begun = true;
-    while (!Member::acted) std::this_thread::yield();
-  };
-}
 
 /// Explores as process 0 while the others play their parts.
 Partition exploreWith(const ParametricProgram& program, ExploreOptions options,
@@ -49,7 +39,6 @@ class ProcessGroupTest : public ::testing::Test {
   }
 
   std::string refusal(const Part& part) {
-    waitUntilActed(options_);
     try {
       exploreWith(program_, options_, {part});
     } catch (const Error& error) {
@@ -102,7 +91,7 @@ void takeAndDie(const ParametricProgram& program, Member& member) {
     }
     bool receive(int& from, std::vector<std::byte>& message) override {
       if (!member_.receive(from, message)) return false;
-      // The process dies at the first batch.
+      // The process dies at the first task.
       if (message.size() > 1) member_.die();
       return true;
     }
@@ -112,12 +101,10 @@ void takeAndDie(const ParametricProgram& program, Member& member) {
     Member& member_;
     int sent_ = 0;
   } thief(member);
-  while (!Member::begun) std::this_thread::yield();
   runWorkerProcess(program, {}, thief);
 }
 
 TEST_F(ProcessGroupTest, LosingAProcessLeavesACheckpoint) {
-  waitUntilActed(options_);
   const Partition part =
       exploreWith(program_, options_, {[this](Member& member) { takeAndDie(program_, member); }});
   ASSERT_EQ(part.status, ExploreStatus::kInterrupted);
@@ -125,27 +112,20 @@ TEST_F(ProcessGroupTest, LosingAProcessLeavesACheckpoint) {
   EXPECT_LT(part.regions.size(), whole_.regions.size());
   ASSERT_GT(part.regions.size(), 0u);
   options_.resume = true;
-  options_.progress = nullptr;
   expectSameRegions(explore(program_, options_), whole_);
 }
 
 TEST_F(ProcessGroupTest, AProcessWithAnotherProblemIsRefused) {
   ParametricProgram other = program_;
   other.b(0) += 1e-12;
-  const Part stranger = [&other](Member& member) {
-    member.acts_by_sending = true;
-    runWorkerProcess(other, {}, member);
-  };
+  const Part stranger = [&other](Member& member) { runWorkerProcess(other, {}, member); };
   EXPECT_EQ(refusal(stranger), "process 1: has read another problem");
   other.H(0, 0) = -1.0;
   EXPECT_NE(refusal(stranger).find("process 1: "), std::string::npos);
 }
 
 TEST_F(ProcessGroupTest, AProcessThatCannotAssistSaysWhy) {
-  const Part unable = [](Member& member) {
-    member.acts_by_sending = true;
-    reportFailure("x.json: cannot be read", member);
-  };
+  const Part unable = [](Member& member) { reportFailure("x.json: cannot be read", member); };
   EXPECT_EQ(refusal(unable), "process 1: x.json: cannot be read");
 }
 

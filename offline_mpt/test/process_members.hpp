@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -33,7 +32,6 @@ class Member : public ProcessGroup {
   void send(int to, std::vector<std::byte> message) override {
     const std::lock_guard<std::mutex> lock(post_.mutex);
     post_.boxes[static_cast<std::size_t>(to)].push_back({rank_, std::move(message)});
-    if (acts_by_sending) acted = true;
   }
   bool receive(int& from, std::vector<std::byte>& message) override {
     const std::lock_guard<std::mutex> lock(post_.mutex);
@@ -51,14 +49,7 @@ class Member : public ProcessGroup {
   void die() {
     const std::lock_guard<std::mutex> lock(post_.mutex);
     post_.dead[static_cast<std::size_t>(rank_)] = 1;
-    acted = true;
   }
-
-  bool acts_by_sending = false;
-  // Process 0 has a region.
-  static inline std::atomic<bool> begun{false};
-  // The event that a test waits for has happened.
-  static inline std::atomic<bool> acted{false};
 
  private:
   Post& post_;

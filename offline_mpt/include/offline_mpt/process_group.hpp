@@ -48,7 +48,7 @@ class LostProcess : public std::runtime_error {
 };
 
 /// Processes active sets for process 0 on options.threads threads. Returns when process 0 ends the exploration or the
-/// group, or its heartbeat times out. Limits, checkpoint and progress belong to process 0. A bad problem is reported to
+/// group, or is lost. Limits, checkpoint and progress belong to process 0. A bad problem is reported to
 /// process 0, whose exploration then throws.
 void runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
 

@@ -6,14 +6,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <functional>
-#include <memory>
+#include <optional>
 
-#include "explore/parallel/compute_regions.hpp"
-#include "explore/parallel/coordinator.hpp"
-#include "explore/parallel/scheduler.hpp"
-#include "explore/parallel/worker_pool.hpp"
+#include "explore/parallel/region_round.hpp"
 #include "explore/region/compute_region.hpp"
 #include "explore/region/tolerances.hpp"
 #include "explore/state/checkpoint.hpp"
@@ -23,7 +21,6 @@
 #include "program/normalised_program.hpp"
 #include "program/slater_point.hpp"
 #include "program/unbounded_cost.hpp"
-#include "support/in_parallel.hpp"
 
 namespace polyfly {
 namespace {
@@ -104,69 +101,151 @@ bool isDescribedAlike(const ExplorationState& state, std::uint32_t set, const Re
 
 // Each set of a checkpoint is described anew, without what lies beyond its facets: about half of the work that they took.
 // Other bits tell of an edited file, or of another solver, whose regions would not go together with these.
-void checkDescribed(const NormalisedProgram& program, const ExploreOptions& options,
-                    const ExplorationState& state) {
+void checkDescribed(const ExploreOptions& options, const ExplorationState& state, RegionThreads& threads) {
   std::vector<const RegionStore::Region*> stored(state.described, nullptr);
   for (std::size_t k = 0; k < state.regions.size(); ++k) stored[state.regions[k].set] = &state.regions[k];
-  std::vector<std::unique_ptr<RegionWorkspace>> workers;
-  for (int k = 0; k < workerCount(options); ++k)
-    workers.push_back(std::make_unique<RegionWorkspace>(program, options));
   std::atomic<std::uint64_t> first{state.described};  // that differs
   const auto report = [&](std::uint64_t done, std::uint64_t) {
     if (options.progress) options.progress({state.regions.size(), state.open(), done, 0, false});
   };
-  inParallel(state.described, workerCount(options), nullptr, report,
-             [&](std::size_t thread, std::uint64_t i) {
-               if (isDescribedAlike(state, static_cast<std::uint32_t>(i), stored[i], *workers[thread]))
-                 return;
-               for (std::uint64_t least = first; i < least && !first.compare_exchange_weak(least, i);)
-                 continue;
-             });
+  threads.forEach(state.described, report, [&](RegionWorkspace& workspace, std::uint64_t i) {
+    if (isDescribedAlike(state, static_cast<std::uint32_t>(i), stored[i], workspace)) return;
+    for (std::uint64_t least = first; i < least && !first.compare_exchange_weak(least, i);) continue;
+  });
   if (first == state.described) return;
   throw Error(options.checkpoint + ": active set " + std::to_string(first) +
               " gives another region: the file was edited, or written by another build of the solver");
 }
 
 void resume(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
-            const ActiveSet& first, ExplorationState& state) {
+            const ActiveSet& first, RegionThreads& threads, ExplorationState& state) {
   loadCheckpoint(options.checkpoint, key, program, state);
   const RowSpan start = state.found[0];
   if (!std::equal(start.begin(), start.end(), first.begin(), first.end()))
     throw Error(options.checkpoint + ": was written by another build of the solver");
-  checkDescribed(program, options, state);
+  checkDescribed(options, state, threads);
 }
 
-// What is made of the regions may take longer than they did, and be stopped: a complete exploration is saved,
-// too. A disk that has no room for that may still have it for the map. False if it was not saved.
-bool savedAtEnd(const std::function<void()>& save, ExploreStatus status) {
-  if (status != ExploreStatus::kComplete) {
-    save();
+using Clock = std::chrono::steady_clock;
+
+/// What ends an exploration before all sets are described.
+class ExploreLimits {
+ public:
+  ExploreLimits(const ExploreOptions& options, const ExplorationState& state)
+      : options_(options), state_(state) {}
+
+  /// Whether it was interrupted, or its time is over.
+  bool isOver() const {
+    return stopped(options_) || (options_.time_limit > 0.0 &&
+                                 Clock::now() - begin_ > std::chrono::duration<double>(options_.time_limit));
+  }
+
+  /// How the exploration ends now, if it does.
+  std::optional<ExploreStatus> reached() const {
+    if (stopped(options_)) return ExploreStatus::kInterrupted;
+    const bool is_full = state_.regions.size() >= options_.region_limit ||
+                         (options_.memory_limit > 0 && state_.memory.bytes() >= options_.memory_limit);
+    if (is_full || isOver()) return ExploreStatus::kLimited;
+    return std::nullopt;
+  }
+
+ private:
+  const ExploreOptions& options_;
+  const ExplorationState& state_;
+  const Clock::time_point begin_ = Clock::now();
+};
+
+/// Writes the checkpoint now and then, and at the end.
+class CheckpointWriter {
+ public:
+  CheckpointWriter(const ExploreOptions& options, std::uint64_t key, const ExplorationState& state)
+      : options_(options),
+        key_(key),
+        state_(state),
+        next_(Clock::now() + secondsOf(options.checkpoint_period)) {}
+
+  /// Whether the disk had no room when it was last due.
+  bool unsaved() const { return unsaved_; }
+
+  void saveIfDue() {
+    const Clock::time_point before = Clock::now();
+    if (options_.checkpoint.empty() || options_.checkpoint_period <= 0.0 || before < next_) return;
+    // A full disk must not cost the work: the next attempt, or the last, may succeed.
+    unsaved_ = !isSaved();
+    const std::chrono::duration<double> taken = Clock::now() - before;
+    next_ = Clock::now() + secondsOf(std::max(options_.checkpoint_period, taken.count() / kSavingShare));
+  }
+
+  /// What is made of the regions may take longer than they did, and be stopped: a complete exploration is saved, too. A disk
+  /// that has no room for that may still have it for the map. False if it was not saved. Throws Error of another exploration.
+  bool saveAtEnd(ExploreStatus status) {
+    if (options_.checkpoint.empty() || state_.regions.size() == 0) return true;
+    if (status == ExploreStatus::kComplete) return isSaved();
+    saveCheckpoint(options_.checkpoint, key_, state_);
     return true;
   }
-  try {
-    save();
-  } catch (const Error&) {
-    return false;
+
+ private:
+  // Greatest share of the time that saving may take.
+  static constexpr double kSavingShare = 0.05;
+
+  static Clock::duration secondsOf(double seconds) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
-  return true;
+
+  bool isSaved() const {
+    try {
+      saveCheckpoint(options_.checkpoint, key_, state_);
+    } catch (const Error&) {
+      return false;
+    }
+    return true;
+  }
+
+  const ExploreOptions& options_;
+  std::uint64_t key_;
+  const ExplorationState& state_;
+  Clock::time_point next_;
+  bool unsaved_ = false;
+};
+
+// The method: while active sets are open, the oldest ones are taken, their regions are computed, and the neighbours of
+// these are put behind the others. Results are merged in the order of their sets, whoever computed them.
+ExploreStatus describeOpenSets(const ExploreOptions& options, RegionRound& round,
+                               CheckpointWriter& checkpoint, ExplorationState& state) {
+  const ExploreLimits limits(options, state);
+  std::vector<RegionResult> results;
+  while (state.open() > 0) {
+    if (const std::optional<ExploreStatus> end = limits.reached()) return *end;
+    const std::uint64_t count = std::min(state.open(), round.size());
+    const std::uint64_t computed = round.compute(
+        state.found, static_cast<std::uint32_t>(state.described), count, [&] { return limits.isOver(); },
+        results);
+    for (std::uint64_t k = 0; k < computed; ++k) {
+      if (const std::optional<ExploreStatus> end = limits.reached()) return *end;
+      state.merge(results[k]);
+    }
+    if (computed < count) return stopped(options) ? ExploreStatus::kInterrupted : ExploreStatus::kLimited;
+    checkpoint.saveIfDue();
+    if (options.progress) {
+      options.progress(
+          {state.regions.size(), state.open(), state.described, state.memory.bytes(), checkpoint.unsaved()});
+    }
+  }
+  return ExploreStatus::kComplete;
 }
 
-// The method: while active sets are open, one is popped, its region is computed, and its neighbours are pushed. Each
-// thread runs this loop, computeRegions, on batches of sets; with a group, the threads of the other processes, too.
-// The scheduler is the queue. It merges the results in the order of their sets, whoever computed them.
 ExploreStatus computeAll(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
-                         ExplorationState& state, ExploreStats& stats) {
-  std::function<void()> save;
-  if (!options.checkpoint.empty()) save = [&] { saveCheckpoint(options.checkpoint, key, state); };
-  Scheduler<RegionResult> queue(state, options, save);
-  const auto loop = [&](WorkQueue<RegionResult>& open) { computeRegions(program, options, open); };
-  if (options.group != nullptr && options.group->size() > 1) {
-    stats.lost_process = runWithGroup(*options.group, program, key, workerCount(options), queue, loop);
-  } else {
-    runWorkers<RegionResult>(workerCount(options), queue, loop);
+                         RegionThreads& threads, ExplorationState& state, ExploreStats& stats) {
+  CheckpointWriter checkpoint(options, key, state);
+  ExploreStatus status = ExploreStatus::kInterrupted;
+  try {
+    RegionRound round(program, options, key, threads);
+    status = describeOpenSets(options, round, checkpoint, state);
+  } catch (const LostProcess& lost) {
+    stats.lost_process = lost.rank();
   }
-  const ExploreStatus status = queue.result();
-  if (save && state.regions.size() > 0) stats.unsaved = !savedAtEnd(save, status);
+  stats.unsaved = !checkpoint.saveAtEnd(status);
   return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
 }
 
@@ -187,6 +266,7 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
                       UnboundedCost& unbounded, std::uint64_t key, const ExploreOptions& options) {
   Partition partition;
   ExplorationState state(program);
+  RegionThreads threads(program, options);
   RegionWorkspace worker(program, options);
   ActiveSet first;
   const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
@@ -202,12 +282,12 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
     return partition;
   }
   if (options.resume) {
-    resume(program, options, key, first, state);
+    resume(program, options, key, first, threads, state);
   } else {
     state.found.insert({first.data(), first.size()});
   }
   partition.stats.resumed_regions = state.regions.size();
-  partition.status = computeAll(program, options, key, state, partition.stats);
+  partition.status = computeAll(program, options, key, threads, state, partition.stats);
   convertRegions(program, state, partition);
   if (partition.status == ExploreStatus::kComplete)
     checkUnresolved(program, options, state.unresolved, unbounded, partition);

@@ -55,9 +55,8 @@ std::vector<std::byte> await(GroupMessage kind, ProcessGroup& group) {
 }  // namespace
 
 std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> mine) {
-  if (size() == 1) return {std::move(mine)};
+  std::vector<std::vector<std::byte>> all = gather(std::move(mine), everyone());
   if (rank() == 0) {
-    std::vector<std::vector<std::byte>> all = collect(std::move(mine));
     std::vector<std::byte> message = groupMessage(GroupMessage::kRound);
     ByteWriter out(message);
     for (const std::vector<std::byte>& one : all) {
@@ -67,10 +66,9 @@ std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> 
     for (int to = 1; to < size(); ++to) group_->send(to, message);
     return all;
   }
-  group_->send(0, messageOf(GroupMessage::kRound, mine));
   const std::vector<std::byte> message = await(GroupMessage::kRound, *group_);
   ByteReader in(message.data(), message.size(), "message of process 0");
-  std::vector<std::vector<std::byte>> all(static_cast<std::size_t>(size()));
+  all.resize(static_cast<std::size_t>(size()));
   for (std::vector<std::byte>& one : all) {
     const auto bytes = in.get<std::uint64_t>();
     in.need(bytes, 1);
@@ -80,30 +78,34 @@ std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> 
   return all;
 }
 
-std::vector<std::vector<std::byte>> GroupExchange::collect(std::vector<std::byte> mine) {
-  std::vector<std::optional<std::vector<std::byte>>> parts(static_cast<std::size_t>(size()));
-  parts.front() = std::move(mine);
-  int missing = size() - 1, from = 0;
+std::vector<std::vector<std::byte>> GroupExchange::gather(std::vector<std::byte> mine,
+                                                          const std::vector<char>& asked) {
+  if (rank() != 0) {
+    group_->send(0, messageOf(GroupMessage::kRound, mine));
+    return {};
+  }
+  std::vector<std::vector<std::byte>> all(asked.size());
+  std::vector<char> missing = asked;
+  all.front() = std::move(mine);
+  missing.front() = 0;
+  int from = 0;
   std::vector<std::byte> message;
-  while (missing > 0) {
-    while (group_->receive(from, message)) {
+  for (;;) {
+    while (size() > 1 && group_->receive(from, message)) {
       const auto got = static_cast<GroupMessage>(message.at(0));
       if (got == GroupMessage::kFailure) {
         throw Error("process " + std::to_string(from) + ": " +
                     std::string(reinterpret_cast<const char*>(message.data()) + 1, message.size() - 1));
       }
-      if (got != GroupMessage::kRound) continue;  // left over from the exploration
-      parts.at(static_cast<std::size_t>(from)).emplace(message.begin() + 1, message.end());
-      --missing;
+      all.at(static_cast<std::size_t>(from)).assign(message.begin() + 1, message.end());
+      missing[static_cast<std::size_t>(from)] = 0;
     }
-    for (int rank = 1; rank < size() && missing > 0; ++rank) {
-      if (!parts[static_cast<std::size_t>(rank)] && group_->lost(rank)) throw LostProcess(rank);
+    if (std::find(missing.begin(), missing.end(), 1) == missing.end()) return all;
+    for (int rank = 1; rank < size(); ++rank) {
+      if (missing[static_cast<std::size_t>(rank)] != 0 && group_->lost(rank)) throw LostProcess(rank);
     }
-    if (missing > 0) std::this_thread::sleep_for(kPollPeriod);
+    std::this_thread::sleep_for(kPollPeriod);
   }
-  std::vector<std::vector<std::byte>> all;
-  for (auto& part : parts) all.push_back(std::move(*part));
-  return all;
 }
 
 void GroupExchange::requireSame(const std::string& read) {
@@ -116,8 +118,8 @@ void GroupExchange::requireSame(const std::string& read) {
     throw Error("the processes of the job have not read the same: " + differences(texts));
 }
 
-void GroupExchange::begin(const std::vector<std::byte>& task) {
-  for (int to = 1; to < size(); ++to) group_->send(to, messageOf(GroupMessage::kTask, task));
+void GroupExchange::give(int to, const std::vector<std::byte>& task) {
+  group_->send(to, messageOf(GroupMessage::kTask, task));
 }
 
 void requireSameInput(const std::string& read, ProcessGroup& group) {

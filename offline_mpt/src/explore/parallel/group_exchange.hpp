@@ -21,22 +21,24 @@ class GroupExchange {
   int rank() const { return group_ == nullptr ? 0 : group_->rank(); }
   int size() const { return group_ == nullptr ? 1 : group_->size(); }
 
-  /// The contributions of all processes, by rank. Waits for them. Throws LostProcess in process 0, or Error
+  /// The contributions of all processes, by rank, in each of them. Waits for them. Throws LostProcess in process 0, or Error
   /// where another has reported a failure.
   std::vector<std::vector<std::byte>> round(std::vector<std::byte> mine);
+
+  /// The same in process 0 alone; nothing in the others. Process 0 waits for those that are `asked`, by rank.
+  std::vector<std::vector<std::byte>> gather(std::vector<std::byte> mine, const std::vector<char>& asked);
+  std::vector<char> everyone() const { return std::vector<char>(static_cast<std::size_t>(size()), 1); }
 
   /// A round in which all tell what they read. Throws Error in each unless all texts are the same.
   void requireSame(const std::string& read);
 
-  /// For process 0: hands a task to the others, which wait for it in `task`.
-  void begin(const std::vector<std::byte>& task);
+  /// For process 0: hands a task to another one, which waits for it in `task`.
+  void give(int to, const std::vector<std::byte>& task);
 
   /// For the others: the next task of process 0; none where it has ended the group.
   static std::optional<std::vector<std::byte>> task(ProcessGroup& group);
 
  private:
-  std::vector<std::vector<std::byte>> collect(std::vector<std::byte> mine);
-
   ProcessGroup* group_;
 };
 

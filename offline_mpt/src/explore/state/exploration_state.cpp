@@ -5,7 +5,7 @@
 namespace polyfly {
 
 ExplorationState::ExplorationState(const NormalisedProgram& program)
-    : tight(memory), regions(program.p, static_cast<int>(program.U.rows()), memory), unresolved(&memory) {}
+    : found(memory), tight(memory), regions(program.p, static_cast<int>(program.U.rows()), memory), unresolved(&memory) {}
 
 void copyNumbers(const Region& region, double* out) {
   *out++ = region.radius;

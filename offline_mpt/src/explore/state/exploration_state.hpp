@@ -6,18 +6,28 @@
 
 #include "explore/region/compute_region.hpp"
 #include "explore/state/region_store.hpp"
-#include "explore/state/set_queue.hpp"
+#include "support/arena.hpp"
 #include "program/normalised_program.hpp"
 
 namespace polyfly {
 
 /// How far an exploration has come: all that a checkpoint holds.
-struct ExplorationState : SetQueue<RegionResult> {
+struct ExplorationState {
   explicit ExplorationState(const NormalisedProgram& program);
+  ExplorationState(const ExplorationState&) = delete;
+  ExplorationState& operator=(const ExplorationState&) = delete;
 
-  std::uint64_t regionCount() const override { return regions.size(); }
-  void merge(const RegionResult& result) override;
+  std::uint64_t open() const { return found.size() - described; }
 
+  /// Merges the result of the set number `described`.
+  void merge(const RegionResult& result);
+
+  // Of all containers below.
+  CountedMemory memory;
+  // Active sets in the order in which they were found.
+  ActiveSetPool found;
+  // Sets of `found` that were merged.
+  std::uint64_t described = 0;
   // Active rows of regions that only slacks bound: such a region may be found from several active sets.
   ActiveSetPool tight;
   RegionStore regions;
