@@ -12,6 +12,13 @@
 namespace polyfly {
 namespace {
 
+/// What a map holds of a leaf.
+struct LeafContent {
+  std::vector<std::uint32_t> candidates;
+  /// The rows to test of each, as MapContent::tests.
+  std::vector<std::uint32_t> tests;
+};
+
 using Candidates = std::vector<std::uint32_t>;  // ascending
 
 class Pruner final : public TreeRewriter<LeafContent> {
