@@ -26,6 +26,11 @@ def run(folder, *arguments, functions=None):
                           stdin=subprocess.DEVNULL)
 
 
+def os_release(name, number):
+    """The body of a `cat` by which another system is found."""
+    return f"""[ "$1" = /etc/os-release ] && printf 'ID=%s\\nVERSION_ID="%s"\\n' {name} {number} || command cat "$@";"""
+
+
 class TreeCase(unittest.TestCase):
     """A copy of what ./run needs, in a folder of its own."""
 
@@ -44,7 +49,7 @@ class TreeCase(unittest.TestCase):
 class Usage(TreeCase):
     def test_wrong_command_lines_give_usage_and_2(self):
         for arguments in ([], ["fly"], ["demo", "twice"], ["clean", "-f"], ["bench", "nosuch"], ["bench", "lookup", "solve"],
-                          ["bench", "../run"], ["experiments", "nosuch"], ["experiments", ""], ["lint", "nosuch"]):
+                          ["bench", "../run"], ["systems", "10"], ["experiments", "nosuch"], ["experiments", ""], ["lint", "nosuch"]):
             result = run(self.tree, *arguments)
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn("usage: ./run COMMAND", result.stderr, arguments)
@@ -54,14 +59,14 @@ class Usage(TreeCase):
     def test_help_names_every_command(self):
         result = run(self.tree, "help")
         self.assertEqual(result.returncode, 0)
-        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "isolated", "workspace", "lint", "install", "clean"):
+        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "isolated", "workspace", "lint", "systems", "install", "clean"):
             self.assertIn(f"\n  {command} ", result.stdout)
 
 
 class Install(TreeCase):
     def test_installs_nothing_where_nothing_is_missing(self):
         with open(self.path("catkin_ws", "scripts", "packages.txt")) as file:
-            names = [line.split()[1] for line in file if line.strip() and not line.startswith("#")]
+            names = [name for line in file if not line.startswith("#") for name in re.split("[ :,]+", line.strip())]
         installed = "printf '%s\\n' " + " ".join(f"'installed {name}'" for name in names) + ";"
         result = run(self.tree, "install", functions={"dpkg-query": installed, "apt-get": "touch called; return 1;"})
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -75,6 +80,17 @@ class Install(TreeCase):
         with open(self.path("called")) as file:
             self.assertEqual(file.read().split(), "update -q install -q -y --no-install-recommends cmake".split())
 
+    def test_packages_have_the_names_of_the_system(self):
+        with open(self.path("catkin_ws", "scripts", "packages.txt"), "w") as file:
+            file.write("run g++ debian11:g++,g++-9\nrun rosout ubuntu20.04:ros-noetic-rosout\n"
+                       "run cli debian11:- ubuntu20.04:-\n")
+        for name, number, wanted in (("debian", "11", "g++ g++-9 rosout"), ("debian", "12", "cli g++ rosout"),
+                                     ("ubuntu", "20.04", "g++ ros-noetic-rosout")):
+            functions = {"dpkg-query": ":;", "id": "echo 0;", "apt-get": 'echo "$*" > called;', "cat": os_release(name, number)}
+            self.assertEqual(run(self.tree, "install", functions=functions).returncode, 0)
+            with open(self.path("called")) as file:
+                self.assertEqual(file.read().split("--no-install-recommends ")[1].split(), wanted.split())
+
     def test_says_what_is_missing_without_root_and_sudo(self):
         with open(self.path("catkin_ws", "scripts", "packages.txt"), "w") as file:
             file.write("run cmake\n")
@@ -86,11 +102,9 @@ class Install(TreeCase):
 
 
     def test_says_what_to_do_on_another_system(self):
-        os_release = r"""[ "$1" = /etc/os-release ] && printf 'ID=%s\nVERSION_ID="%s"\n' NAME NUMBER || command cat "$@";"""
-        for name, number, fits in (("debian", "12", True), ("debian", "13", True), ("debian", "11", False),
-                                   ("ubuntu", "24.04", False)):
-            functions = {"dpkg-query": ":;", "id": "echo 0;", "apt-get": "touch called;",
-                         "cat": os_release.replace("NAME", name).replace("NUMBER", number)}
+        for name, number, fits in (("debian", "11", True), ("debian", "12", True), ("debian", "13", True),
+                                   ("ubuntu", "20.04", True), ("debian", "10", False), ("ubuntu", "24.04", False)):
+            functions = {"dpkg-query": ":;", "id": "echo 0;", "apt-get": "touch called;", "cat": os_release(name, number)}
             result = run(self.tree, "install", functions=functions)
             self.assertEqual(result.returncode, 0 if fits else 1, result.stderr)
             self.assertEqual(os.path.exists(self.path("called")), fits)
@@ -98,8 +112,23 @@ class Install(TreeCase):
                 os.remove(self.path("called"))
                 continue
             self.assertIn(f"this system is '{name} {number}'", result.stderr)
-            for way in ("container", "virtual machine", "cmake --preset release"):
+            for way in ("container", "virtual machine", "cmake -S . -B build/release"):
                 self.assertIn(way, result.stderr)
+
+
+class Presets(unittest.TestCase):
+    def test_are_read_as_cmake_reads_them(self):
+        with open(os.path.join(ROOT, "CMakePresets.json")) as file:
+            names = [preset["name"] for preset in json.load(file)["configurePresets"] if not preset.get("hidden")]
+        for name in names:
+            told = subprocess.run(["cmake", "--preset", name, "-N"], cwd=ROOT, capture_output=True, text=True).stdout
+            if "Preset CMake variables" not in told:
+                self.skipTest("this CMake reads no presets")
+            ours = subprocess.run([sys.executable, os.path.join(SCRIPTS, "preset.py"), name], capture_output=True, text=True)
+            self.assertEqual(ours.stdout.splitlines()[:6],
+                             ["-S", ROOT, "-B", os.path.join(ROOT, "build", name), "-G", "Ninja"])
+            variables = dict(line[2:].split("=", 1) for line in ours.stdout.splitlines()[6:])
+            self.assertEqual(variables, dict(re.findall(r'^  (\w+)="(.*)"$', told, re.MULTILINE)))
 
 
 class MovedTree(TreeCase):
@@ -157,25 +186,27 @@ class Count(unittest.TestCase):
         self.printed = result.stdout
         return result.returncode, result.stdout.splitlines()[-1]
 
+    def ctest(self, **statuses):
+        """What `ctest -T Test` leaves of tests with these statuses."""
+        tests = "".join(f'<Test Status="{status}"><Name>{name}</Name><Results/></Test>' for name, status in statuses.items())
+        return self.write("r/ctest.xml", f"<Site><Testing><TestList><Test>./a</Test></TestList>{tests}</Testing></Site>")
+
     def test_cases_of_programs_are_summed(self):
-        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="run"/>'
-                           '<testcase name="script" status="run"/></testsuite>')
+        results = self.ctest(a_test="passed", script="passed")
         self.write("g/a_test.xml", '<testsuites><testsuite><testcase name="x" status="run"/><testcase name="y" '
                    'status="run"/><testcase name="z" status="run"><skipped/></testcase></testsuite></testsuites>')
-        self.assertEqual(self.count("--ctest", junit, self.folder + "/g"), (0, "3 passed, 0 failed, 1 skipped"))
+        self.assertEqual(self.count("--ctest", results, self.folder + "/g"), (0, "3 passed, 0 failed, 1 skipped"))
 
     def test_a_crash_and_a_failed_case_are_failures(self):
-        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="fail"><failure/></testcase>'
-                           '<testcase name="b_test" status="fail"><failure/></testcase>'
-                           '<testcase name="c_test" status="fail"><failure/></testcase></testsuite>')
+        results = self.ctest(a_test="failed", b_test="failed", c_test="failed", d_test="notrun")
         self.write("g/a_test.xml", '<testsuites><testcase name="x" status="run"/><testcase name="y"><failure/></testcase>'
                    '</testsuites>')
         self.write("g/b_test.xml", '<testsuites><testcase name="x" status="run"/></testsuites>')
-        self.assertEqual(self.count("--ctest", junit, self.folder + "/g"), (1, "2 passed, 3 failed"))
+        self.assertEqual(self.count("--ctest", results, self.folder + "/g"), (1, "2 passed, 4 failed"))
 
     def test_nothing_run_is_no_success(self):
-        junit = self.write("r/ctest.xml", "<testsuite/>")
-        self.assertEqual(self.count("--ctest", junit, self.folder), (1, "0 passed, 0 failed"))
+        results = self.ctest()
+        self.assertEqual(self.count("--ctest", results, self.folder), (1, "0 passed, 0 failed"))
 
     def test_a_rostest_is_counted_by_its_programs_cases(self):
         self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"/></testsuites>')
@@ -190,12 +221,11 @@ class Count(unittest.TestCase):
         self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
 
     def test_what_failed_is_named_with_what_it_said(self):
-        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="fail"><failure/></testcase>'
-                           '</testsuite>')
+        results = self.ctest(a_test="failed")
         self.write("g/a_test.xml", '<testsuites><testcase classname="A" name="b" status="run">'
                    '<failure message="a.cpp:3&#x0A;1 is not 2"/></testcase></testsuites>')
         self.write("results/pkg/rosunit-p.xml", '<testsuites><testcase name="q"><error>gone</error></testcase></testsuites>')
-        self.count("--ctest", junit, self.folder + "/g", "--catkin", self.folder + "/results")
+        self.count("--ctest", results, self.folder + "/g", "--catkin", self.folder + "/results")
         for said in ("  failed: a_test.xml: A b", "  failed:     a.cpp:3", "  failed:     1 is not 2", "rosunit-p.xml:  q",
                      "  failed:     gone"):
             self.assertIn(said, self.printed)

@@ -1,8 +1,13 @@
 # shellcheck shell=bash
 # The two builds: plain CMake for the tools and the tests without ROS, catkin for everything.
 
-configurePreset() { cmake --preset "$1" -DPython3_EXECUTABLE=/usr/bin/python3; }
-buildPreset() { cmake --build --preset "$1" --parallel "$(jobs_at_once)" --target "${@:2}"; }
+# A CMake before 3.21 reads no presets.
+configurePreset() {
+  local -a arguments
+  mapfile -t arguments < <(python3 catkin_ws/scripts/preset.py "$1")
+  cmake "${arguments[@]}" -DPython3_EXECUTABLE=/usr/bin/python3
+}
+buildPreset() { cmake --build "build/$1" --parallel "$(jobs_at_once)" --target "${@:2}"; }
 
 # catkinMake FOLDER ARGUMENT...: the workspace of catkin_ws/src, built under FOLDER so that catkin_ws stays clean.
 catkinMake() {
@@ -10,7 +15,6 @@ catkinMake() {
   shift
   # the tests' environment is written on the first configuration, and leaves out what does not exist by then
   mkdir -p "$folder/src" "$folder/devel/lib/python3/dist-packages"
-  ln -sfn /usr/share/catkin/cmake/toplevel.cmake "$folder/src/CMakeLists.txt"
   ln -sfn ../../../catkin_ws/src "$folder/src/polyfly"
   catkin_make -C "$folder" --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
     -DCMAKE_BUILD_TYPE=Release "-DPOLYFLY_WERROR=${POLYFLY_WERROR:-}" "-j$(jobs_at_once)" -l1000 "$@"

@@ -78,6 +78,7 @@ startCommand() {
   step_count=$1
   shift
   requirePackages "$@"
+  useSystem
 }
 
 # doing NAME: the last line of a step's log that counts what it does, as "[3/40] ...".

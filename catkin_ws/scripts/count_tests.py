@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Counts test cases out of result files and prints `N passed, N failed` (and `, N skipped` where any).
 
-usage: count_tests.py [--ctest JUNIT GTEST_FOLDER]... [--catkin FOLDER] [--check NAME FILE]...
+usage: count_tests.py [--ctest TEST_XML GTEST_FOLDER]... [--catkin FOLDER] [--check NAME FILE]...
 
 A ctest program that wrote a GoogleTest file counts with its cases, any other as one case; a program that
 failed without a failed case (it crashed, or a sanitizer stopped it) counts as one failure more. What failed
@@ -67,24 +67,25 @@ def count_cases(path):
     return count
 
 
-def count_ctest(junit, gtest_folder):
+def count_ctest(test_xml, gtest_folder):
+    """TEST_XML is what `ctest -T Test` leaves; CMake writes JUnit files only since 3.21."""
     total = Count()
-    for case in root_of(junit).iter("testcase"):
-        own = os.path.join(gtest_folder, case.get("name") + ".xml")
-        failed = case.get("status") == "fail" or case.find("failure") is not None
+    for test in root_of(test_xml).findall("Testing/Test"):
+        name, status = test.findtext("Name"), test.get("Status")
+        own = os.path.join(gtest_folder, name + ".xml")
         count = Count()
         if os.path.exists(own):
             count = count_cases(own)
-            if failed and not count.failed:
+            if status == "failed" and not count.failed:
                 count.failed = 1
-        elif failed or case.get("status") == "notrun":
-            count.failed = 1
-        elif case.get("status") == "disabled" or case.find("skipped") is not None:
+        elif status == "passed":
+            count.passed = 1
+        elif test.findtext("Results/NamedMeasurement[@name='Completion Status']/Value") == "Disabled":
             count.skipped = 1
         else:
-            count.passed = 1
+            count.failed = 1
         if count.failed:
-            print(f"  failed: {case.get('name')}: {count.text()}")
+            print(f"  failed: {name}: {count.text()}")
         total.add(count)
     return total
 
@@ -115,8 +116,8 @@ def main(arguments):
     while arguments:
         kind = arguments.pop(0)
         if kind == "--ctest":
-            junit, folder = arguments.pop(0), arguments.pop(0)
-            count, label = count_ctest(junit, folder), os.path.basename(os.path.dirname(junit))
+            results, folder = arguments.pop(0), arguments.pop(0)
+            count, label = count_ctest(results, folder), os.path.basename(os.path.dirname(results))
         elif kind == "--catkin":
             count, label = count_catkin(arguments.pop(0)), "rostest"
         elif kind == "--check":

@@ -1,14 +1,18 @@
 # shellcheck shell=bash
 # ./run test: unit tests, rostests, the README's commands. ./run sanitize: unit tests under the sanitizers.
 
-# runCtest PRESET [ctest option...]: leaves JUnit and GoogleTest results in build/.run/results/PRESET.
+# runCtest PRESET [ctest option...]: leaves CTest's and GoogleTest's results in build/.run/results/PRESET.
 runCtest() {
   local preset=$1 results="$root/build/.run/results/$1"
   shift
-  rm -rf "$results"
+  rm -rf "$results" "build/$preset/Testing"
   mkdir -p "$results/gtest"
-  GTEST_OUTPUT="xml:$results/gtest/" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error \
-    --output-junit "$results/ctest.xml" "$@"
+  (
+    cd "build/$preset" || exit
+    GTEST_OUTPUT="xml:$results/gtest/" ctest -T Test --parallel "$(nproc)" --no-tests=error --output-on-failure "$@" ||
+      status=$?
+    cp "Testing/$(head -n 1 Testing/TAG)/Test.xml" "$results/ctest.xml" && exit "${status:-0}"
+  )
 }
 
 # A failing test is counted, not fatal, as long as it left its results.

@@ -27,10 +27,11 @@ struct InfoArguments {
 nlohmann::ordered_json signalsJson(const std::vector<Signal>& signals) {
   auto list = nlohmann::ordered_json::array();
   for (const Signal& signal : signals) {
-    nlohmann::ordered_json entry = {{"name", signal.name}, {"unit", signal.unit}};
     // JSON has no infinity: a missing bound is null.
-    entry["lower"] = std::isfinite(signal.lower) ? nlohmann::ordered_json(signal.lower) : nullptr;
-    entry["upper"] = std::isfinite(signal.upper) ? nlohmann::ordered_json(signal.upper) : nullptr;
+    nlohmann::ordered_json entry = {
+        {"name", signal.name}, {"unit", signal.unit}, {"lower", nullptr}, {"upper", nullptr}};
+    if (std::isfinite(signal.lower)) entry["lower"] = signal.lower;
+    if (std::isfinite(signal.upper)) entry["upper"] = signal.upper;
     list.push_back(entry);
   }
   return list;

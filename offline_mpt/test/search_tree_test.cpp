@@ -327,7 +327,7 @@ TreeRegions regionsOf(const ParametricProgram& program, const Partition& partiti
     const auto first = content.rows.begin() + content.regions[r].first_row;
     regions.rows.emplace_back(first, first + content.regions[r].row_count);
     const Eigen::VectorXd& centre = partition.regions[r].centre;
-    regions.centres.insert(regions.centres.end(), centre.begin(), centre.end());
+    regions.centres.insert(regions.centres.end(), centre.data(), centre.data() + centre.size());
   }
   return regions;
 }

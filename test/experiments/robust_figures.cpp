@@ -27,13 +27,12 @@ void writeFlight(const std::filesystem::path& path, const std::vector<AslquadSam
     const Eigen::Vector3d load = sample.truth.position + sample.truth.load_offset;
     for (const Eigen::Vector3d& triple :
          {sample.truth.position, sample.reference.position, sample.truth.velocity}) {
-      for (const double value : triple) file << ',' << value;
+      file << ',' << triple.x() << ',' << triple.y() << ',' << triple.z();
     }
     file << ',' << sample.truth.roll << ',' << sample.truth.pitch << ',' << sample.command.roll << ','
          << sample.command.pitch;
-    for (const double value : load) file << ',' << value;
-    file << ',' << sample.disturbance.x() << ',' << sample.disturbance.y() << ','
-         << static_cast<int>(sample.status) << '\n';
+    file << ',' << load.x() << ',' << load.y() << ',' << load.z() << ',' << sample.disturbance.x() << ','
+         << sample.disturbance.y() << ',' << static_cast<int>(sample.status) << '\n';
   }
   polyfly::writeFileAtomically(path.string(), file.str());
 }

@@ -1,12 +1,13 @@
 #include "identification/csv_log.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string_view>
 
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_line.hpp"
 
@@ -43,19 +44,16 @@ char separatorOf(const std::string& header) {
 double valueOf(std::string_view text, CsvLog* log) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   if (text.empty()) return kNan;
-  if (text.front() == '+') text.remove_prefix(1);
   std::string number(text);
   // Only where another character separates the fields can a comma get here.
   const std::size_t comma = number.find(',');
   if (comma != std::string::npos) number[comma] = '.';
-  double value = kNan;
-  const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (failure == std::errc() && end == number.data() + number.size()) {
+  const std::optional<double> value = numberOf(number);
+  if (value)
     log->decimal_comma = log->decimal_comma || comma != std::string::npos;
-    return value;
-  }
-  ++log->unreadable;
-  return kNan;
+  else
+    ++log->unreadable;
+  return value.value_or(kNan);
 }
 
 // Passes the byte order mark that some programs write.

@@ -14,8 +14,8 @@ constexpr double kRidge = 1e-12;
 
 double huberLoss(const Eigen::VectorXd& residuals, double scale) {
   double sum = 0.0;
-  for (const double residual : residuals) {
-    const double size = std::abs(residual) / scale;
+  for (Eigen::Index i = 0; i < residuals.size(); ++i) {
+    const double size = std::abs(residuals[i]) / scale;
     sum += size <= kHuberReach ? 0.5 * size * size : kHuberReach * (size - 0.5 * kHuberReach);
   }
   return sum;

@@ -182,8 +182,9 @@ double validated(const CurveShape& shape, const std::vector<ThrustSamples>& part
       if (j != i) others.push_back(parts[j]);
     }
     const Eigen::VectorXd predicted = fitThrustModel(shape, stacked(others)).predict(shape, parts[i]);
-    measured.insert(measured.end(), parts[i].force.begin(), parts[i].force.end());
-    modelled.insert(modelled.end(), predicted.begin(), predicted.end());
+    const Eigen::VectorXd& force = parts[i].force;
+    measured.insert(measured.end(), force.data(), force.data() + force.size());
+    modelled.insert(modelled.end(), predicted.data(), predicted.data() + predicted.size());
   }
   const auto rows = static_cast<Eigen::Index>(measured.size());
   return fitPercent(Eigen::Map<Eigen::VectorXd>(measured.data(), rows),
@@ -267,7 +268,7 @@ MotionTrace traceOf(const CurveShape& shape, const ThrustModel& model, const Thr
   Eigen::VectorXd command = samples.command;
   if (samples.battery.size() > 0) command.array() *= (model.battery * samples.battery.array()).exp();
   const auto list = [](const Eigen::VectorXd& values) {
-    return std::vector<double>(values.begin(), values.end());
+    return std::vector<double>(values.data(), values.data() + values.size());
   };
   return {"thrust along the body's z",
           "N",

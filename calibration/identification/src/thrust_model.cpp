@@ -46,8 +46,8 @@ PowerRow slopesOf(double x, Eigen::Index count) {
 double huberLoss(const Eigen::VectorXd& residuals, double scale) {
   const double reach = kHuberReach * scale;
   double sum = 0.0;
-  for (const double one : residuals) {
-    const double size = std::abs(one);
+  for (Eigen::Index i = 0; i < residuals.size(); ++i) {
+    const double size = std::abs(residuals[i]);
     sum += size <= reach ? 0.5 * size * size : reach * (size - 0.5 * reach);
   }
   return sum;

@@ -1,6 +1,5 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "map_plot/slice.hpp"
 #include "map_region.hpp"
 #include "offline_mpt/reduce_proven.hpp"
+#include "path_caster.hpp"
 #include "prove.hpp"
 #include "solve.hpp"
 #include "watch.hpp"

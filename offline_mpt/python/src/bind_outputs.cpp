@@ -1,6 +1,5 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <filesystem>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "explorer_content/explorer_content.hpp"
 #include "export_proven/export_proven.hpp"
 #include "loaded_map.hpp"
+#include "path_caster.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"

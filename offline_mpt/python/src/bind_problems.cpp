@@ -1,7 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "bindings.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/online_program.hpp"
+#include "path_caster.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "solve.hpp"

@@ -1,13 +1,13 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <filesystem>
 
 #include "bindings.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/verify.hpp"
+#include "path_caster.hpp"
 #include "robust_mpc/prove_map.hpp"
 
 namespace polyfly::python {

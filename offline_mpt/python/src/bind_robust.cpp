@@ -1,7 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <filesystem>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "bindings.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "outside_error.hpp"
+#include "path_caster.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "polytope_sets/rational.hpp"

@@ -81,7 +81,10 @@ class ResultWriter {
     putAll(list, list.size());
   }
   void put(const std::string& text) { putAll(text, text.size()); }
-  void put(const Eigen::VectorXd& vector) { putAll(vector, static_cast<std::size_t>(vector.size())); }
+  void put(const Eigen::VectorXd& vector) {
+    out_.put(static_cast<std::uint64_t>(vector.size()));
+    for (Eigen::Index i = 0; i < vector.size(); ++i) put(vector[i]);
+  }
   void put(const Integer& number) { put(number.get_str(kBase)); }
   void put(const Rational& number) { put(number.get_str(kBase)); }
 

@@ -158,7 +158,8 @@ ScaledProgram scaleProgram(const ParametricProgram& program) {
   ScaledProgram result{program, {}, {}};
   ParametricProgram& scaled = result.program;
   const Eigen::VectorXd sizes = fitSizes(entriesOf(program), program.A.cols());
-  for (const double size : sizes) result.variables.push_back(static_cast<int>(std::lround(size)));
+  for (Eigen::Index j = 0; j < sizes.size(); ++j)
+    result.variables.push_back(static_cast<int>(std::lround(sizes[j])));
   scaleColumns(scaled.A, result.variables);
   scaleColumns(scaled.E, result.variables);
   scaleRows(scaled.H, result.variables);

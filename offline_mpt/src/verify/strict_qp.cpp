@@ -125,7 +125,7 @@ void StrictQp::solveUpper(Vector& x) const {
 const StrictQp::Vector& StrictQp::row(int index) {
   Vector& row = rows_[static_cast<std::size_t>(index)];
   if (row.empty() && n_ > 0) {
-    row.assign(program_->A.row(index).begin(), program_->A.row(index).end());
+    for (Eigen::Index j = 0; j < program_->A.cols(); ++j) row.emplace_back(program_->A(index, j));
     solveLower(row);
     squared_[static_cast<std::size_t>(index)] = dot(row, row).high;
   }

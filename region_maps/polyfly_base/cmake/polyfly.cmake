@@ -144,6 +144,46 @@ function(polyfly_test_library name)
   polyfly_precompiled(${name} test)
 endfunction()
 
+# polyfly_find_cli11(), polyfly_find_json()
+#   CLI11::CLI11 and nlohmann_json::nlohmann_json, for the whole build.
+function(polyfly_find_cli11)
+  polyfly_find_headers(CLI11 2.1 cli11 cli11_2.4.1+ds.orig.tar.xz
+    0b8fbf2398875f15f30a675c7f412123a2aaa38df2863e991de72004fd5f1292)
+endfunction()
+
+function(polyfly_find_json)
+  polyfly_find_headers(nlohmann_json 3.9 nlohmann-json3 nlohmann-json3_3.11.3.orig.tar.gz
+    0d8ef5af7f9794e3263480193c491549b2ba6cc74bb018906202ada498a79406)
+endfunction()
+
+# polyfly_find_headers(PACKAGE VERSION SOURCE ARCHIVE SHA256)
+#   PACKAGE::PACKAGE of the system, or, where it has none that is new enough, made from the headers of the archive from which
+#   Debian 13 builds its package SOURCE. In the environment, POLYFLY_ARCHIVES may name another place that has
+#   c/cli11/ARCHIVE and the like: pool/main of a mirror, or a folder.
+function(polyfly_find_headers package version source archive sha256)
+  set(target ${package}::${package})
+  if(TARGET ${target})
+    return()
+  endif()
+  find_package(${package} ${version} QUIET)
+  if(TARGET ${target})
+    set_target_properties(${target} PROPERTIES IMPORTED_GLOBAL TRUE)
+    return()
+  endif()
+  set(archives "$ENV{POLYFLY_ARCHIVES}")
+  if(NOT archives)
+    set(archives "http://snapshot.debian.org/archive/debian/20250901T000000Z/pool/main")
+  endif()
+  string(SUBSTRING ${source} 0 1 initial)
+  set(folder "${CMAKE_BINARY_DIR}/${source}")
+  include(FetchContent)
+  FetchContent_Populate(${source} QUIET
+    URL "${archives}/${initial}/${source}/${archive}" URL_HASH SHA256=${sha256}
+    SOURCE_DIR "${folder}/source" BINARY_DIR "${folder}/build" SUBBUILD_DIR "${folder}/download")
+  add_library(${target} INTERFACE IMPORTED GLOBAL)
+  target_include_directories(${target} INTERFACE "${folder}/source/include")
+endfunction()
+
 # polyfly_warnings(TARGET): the project's warnings, as errors where POLYFLY_WERROR is on (.ci/run, ./run lint).
 function(polyfly_warnings name)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)

@@ -3,8 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <clocale>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <optional>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyfly_base/error.hpp"
@@ -32,6 +39,63 @@ TEST(Decimal, WhatReadersDisagreeOnIsNone) {
         "1_000", "1:30", ".",   "-",    "+-1",  "1e",   "1e+",   "e5",  ".e5",   "1.2.3", " 8",
         "8 ",    "8u",   "nan", "inf",  ".inf", ".nan", "1e999", "1,5", "true"})
     EXPECT_EQ(decimalNumber(text), std::nullopt) << text;
+}
+
+// As logs have them.
+TEST(Decimal, NumbersOfLogsMayHaveZerosInFrontAndNames) {
+  EXPECT_EQ(numberOf("-007.50"), -7.5);
+  EXPECT_EQ(numberOf("1e-320"), 1e-320);
+  EXPECT_EQ(numberOf("-INF"), -std::numeric_limits<double>::infinity());
+  ASSERT_TRUE(numberOf("NaN"));
+  EXPECT_TRUE(std::isnan(*numberOf("NaN")));
+  for (const char* const text : {"", "0x8", "+-1", "1e", " 8", "8 ", "8u", "nano", "1e999", "1,5", "true"})
+    EXPECT_EQ(numberOf(text), std::nullopt) << text;
+}
+
+// The texts are those of std::to_chars.
+TEST(Decimal, ShortestTextIsThatOfTheStandard) {
+  const std::vector<std::pair<double, std::string>> known = {
+      {0.0, "0"},
+      {-0.0, "-0"},
+      {-3.0, "-3"},
+      {1.0 / 3.0, "0.3333333333333333"},
+      {1e5, "1e+05"},
+      {123456.0, "123456"},
+      {100000.5, "100000.5"},
+      {1e-4, "1e-04"},
+      {0.00012, "0.00012"},
+      {1e23, "1e+23"},
+      {5e-324, "5e-324"},
+      {1.7976931348623157e308, "1.7976931348623157e+308"},
+      {std::ldexp(1.0, -44), "5.684341886080802e-14"},
+      {std::ldexp(1.0, 70), "1180591620717411303424"},
+      {-std::numeric_limits<double>::infinity(), "-inf"}};
+  for (const auto& [value, text] : known) EXPECT_EQ(shortestText(value), text);
+  EXPECT_EQ(shortestText(0.1F), "0.1");
+  EXPECT_EQ(shortestText(1.0F / 3.0F), "0.33333334");
+  EXPECT_EQ(shortestText(16777216.0F), "16777216");
+  EXPECT_EQ(shortestText(1e-45F), "1e-45");
+}
+
+TEST(Decimal, ShortestTextIsReadAsTheNumber) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 20000; ++i) {
+    const std::uint64_t bits = random();
+    double value = 0.0;
+    std::memcpy(&value, &bits, sizeof value);
+    if (std::isfinite(value)) EXPECT_EQ(numberOf(shortestText(value)), value);
+  }
+}
+
+// A comma is the point of these languages, where the machine has one of them.
+TEST(Decimal, LocaleChangesNothing) {
+  for (const char* const name : {"de_DE.UTF-8", "fr_FR.UTF-8", "ps_AF.UTF-8"}) {
+    if (std::setlocale(LC_ALL, name) == nullptr) continue;
+    EXPECT_EQ(shortestText(-1234.5), "-1234.5") << name;
+    EXPECT_EQ(shortestText(6.25e-300), "6.25e-300") << name;
+    EXPECT_EQ(numberOf("1234.5"), 1234.5) << name;
+  }
+  std::setlocale(LC_ALL, "C");
 }
 
 std::string refusalOf(const std::string& text) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cctype>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 
+#include "polyfly_base/decimal.hpp"
 #include "polyfly_base/visible.hpp"
 
 namespace polyfly {
@@ -49,11 +49,8 @@ std::string replaced(const std::string& text, const Replacements& replacements) 
 }
 
 std::string constant(double value, ExportType type) {
-  char digits[40];
-  const auto end = type == ExportType::kDouble
-                       ? std::to_chars(digits, digits + sizeof digits, value)
-                       : std::to_chars(digits, digits + sizeof digits, static_cast<float>(value));
-  std::string text(digits, end.ptr);
+  std::string text =
+      type == ExportType::kDouble ? shortestText(value) : shortestText(static_cast<float>(value));
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return type == ExportType::kDouble ? text : text + "f";
 }
