@@ -54,7 +54,7 @@ class Usage(TreeCase):
     def test_help_names_every_command(self):
         result = run(self.tree, "help")
         self.assertEqual(result.returncode, 0)
-        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "isolated", "workspace", "lint", "install", "clean"):
+        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "isolated", "workspace", "lint", "package", "install", "clean"):
             self.assertIn(f"\n  {command} ", result.stdout)
 
 

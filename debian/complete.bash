@@ -1,0 +1,17 @@
+# Completes options and subcommands of Polyfly's tools by what `TOOL SUBCOMMAND... --help` prints. Installed under each tool's name.
+_polyfly() {
+  local word current=${COMP_WORDS[COMP_CWORD]} help subcommands
+  local -a command=("${COMP_WORDS[0]/#\~/$HOME}")
+  for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}" ""; do
+    help=$("${command[@]}" --help 2> /dev/null)
+    subcommands=$(awk '/^[^ ]/ {inside = /^Subcommands:/} inside && /^  [a-z]/ {print $1}' <<< "$help")
+    if [ -n "$word" ] && grep -qxF -e "$word" <<< "$subcommands"; then
+      command+=("$word")
+    fi
+  done
+  if [[ $current == -* ]]; then
+    subcommands=$(grep -oE -e '(^|[ ,[])--[a-z][a-z-]*' <<< "$help" | tr -d ' ,[' | sort -u)
+  fi
+  mapfile -t COMPREPLY < <(compgen -W "$subcommands" -- "$current")
+}
+complete -o default -F _polyfly "${BASH_SOURCE[0]##*/}"
