@@ -7,18 +7,20 @@ packages=build/packages
 copySources() {
   mkdir -p "$packages/source"
   find "$packages/source" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} + || return
-  tar -c --exclude=./build --exclude=./.git . | tar -x -C "$packages/source" || return
+  tar -c --exclude=./build --exclude=./.git --exclude=./catkin_ws/build --exclude=./catkin_ws/devel . | tar -x -C "$packages/source" || return
   fillInMaintainer "$packages/source"
 }
 
 # maintainer: "NAME <ADDRESS>", which the publisher writes into debian/maintainer; empty until then.
 maintainer() { grep -v '^#' debian/maintainer | head -n 1 || true; }
 
+forSed() { sed 's|[&/\\]|\\&|g' <<< "$1"; }
+
 # fillInMaintainer FOLDER: into the files that name one.
 fillInMaintainer() {
   local name address
   [[ "$(maintainer)" =~ ^(.+)\ \<(.+@.+)\>$ ]] || return 0
-  name=${BASH_REMATCH[1]} address=${BASH_REMATCH[2]}
+  name=$(forSed "${BASH_REMATCH[1]}") address=$(forSed "${BASH_REMATCH[2]}")
   find -L "$1"/{debian,catkin_ws/src/*} -maxdepth 1 \( -name control -o -name changelog -o -name package.xml \) \
     -exec sed -i "s/The Polyfly authors/$name/; s/polyfly@example.org/$address/" {} +
 }
