@@ -25,9 +25,12 @@ fillInMaintainer() {
     -exec sed -i "s/The Polyfly authors/$name/; s/polyfly@example.org/$address/" {} +
 }
 
+# debhelper has a home of its own; the compiler cache is that of ./run build.
 buildPackages() {
+  local cache
+  cache=$(ccache --get-config cache_dir 2> /dev/null || true)
   rm -f "$packages"/*.deb "$packages"/*.changes "$packages"/*.buildinfo
-  (cd "$packages/source" && DEB_BUILD_OPTIONS="parallel=$(jobs_at_once) noautodbgsym" \
+  (cd "$packages/source" && CCACHE_DIR="${CCACHE_DIR:-$cache}" DEB_BUILD_OPTIONS="parallel=$(jobs_at_once) noautodbgsym" \
     dpkg-buildpackage --build=binary --no-sign --no-pre-clean)
 }
 
