@@ -112,6 +112,11 @@ class Install(unittest.TestCase):
         for tool in tools:
             self.assertRegex(run(os.path.join(self.prefix, "bin", tool), "--version"), r"^\w+ \d+\.\d+\.\d+\n$")
 
+    def test_problem_files_are_installed(self):
+        self.assertEqual({name for name in os.listdir(PROBLEMS) if name.endswith(".yaml")},
+                         {name for name in os.listdir(os.path.join(self.prefix, "share", "polyfly", "problems"))
+                          if name.endswith(".yaml")})
+
     def test_one_component_needs_no_package_of_another(self):
         done, output = self.configure(ONE_COMPONENT)
         self.assertTrue(done, output)

@@ -59,7 +59,7 @@ class Usage(TreeCase):
     def test_help_names_every_command(self):
         result = run(self.tree, "help")
         self.assertEqual(result.returncode, 0)
-        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "isolated", "workspace", "lint", "systems", "install", "clean"):
+        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "isolated", "workspace", "lint", "systems", "package", "install", "clean"):
             self.assertIn(f"\n  {command} ", result.stdout)
 
 

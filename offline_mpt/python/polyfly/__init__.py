@@ -7,10 +7,11 @@
 
 Names, units and files are those of the tools. A rule that input breaks raises Error with file, field and rule.
 """
-from ._polyfly import (CertifyReport, Defect, DiffReport, DiscreteModel, Error, LawDifference, Map, MapCover, MPLP, MPQP,
-                       OnlineProgram, OnlineRobust, OutsideError, Parameter, Picture, Problem, Program, Region,
-                       RobustProblem, RobustProof, RobustSampling, Signal, SteadyState, VerifyReport, diff, load_problem,
-                       load_program, load_robust_problem, is_robust_file, open, parse_problem, parse_robust_problem)
+from ._polyfly import (__version__, CertifyReport, Defect, DiffReport, DiscreteModel, Error, LawDifference, Map,
+                       MapCover, MPLP, MPQP, OnlineProgram, OnlineRobust, OutsideError, Parameter, Picture, Problem,
+                       Program, Region, RobustProblem, RobustProof, RobustSampling, Signal, SteadyState, VerifyReport,
+                       diff, load_problem, load_program, load_robust_problem, is_robust_file, open, parse_problem,
+                       parse_robust_problem)
 from .law import Law, RobustLaw
 from .layer import Layer
 from .mat import load_mat

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[Any]
 Path = str | PathLike[str]
 Progress = bool | Callable[[str], object] | None
+__version__: str
 
 
 class CertifyReport:

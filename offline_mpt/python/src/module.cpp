@@ -4,6 +4,7 @@
 #include "loaded_map.hpp"
 #include "outside_error.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/version.hpp"
 
 namespace polyfly::python {
 namespace {
@@ -28,6 +29,7 @@ void refuseObjectsWithoutValue(const pybind11::module_& module) {
 
 PYBIND11_MODULE(_polyfly, module) {
   module.doc() = "Explicit MPC: what the package polyfly offers of the C++ libraries.";
+  module.attr("__version__") = kVersion;
   // An exception that derives from another is registered after it: pybind11 asks the last one first.
   const auto& error = pybind11::register_exception<Error>(module, "Error", PyExc_ValueError);
   pybind11::register_exception<OutsideError>(module, "OutsideError", error);
