@@ -40,9 +40,11 @@ class Verify : public testing::Test {
   const Partition partition = explore(program);
   MapContent content = encode(program, partition);
 
-  VerifyReport report(const VerifyOptions& options = manySamples()) const {
+  VerifyReport report(const VerifyOptions& options = manySamples()) const { return report(program, options); }
+
+  VerifyReport report(const ParametricProgram& of, const VerifyOptions& options = manySamples()) const {
     const MapInMemory memory(content);
-    return verify(memory.map(), program, options);
+    return verify(memory.map(), of, options);
   }
 
   // Every look-up tests all regions in file order.
@@ -195,6 +197,30 @@ TEST_F(Verify, CatchesAnswersWhereThereIsNoSolution) {
   EXPECT_GT(result.infeasible, 1000u);
 }
 
+// u = 1000 t where that is between 0 and 5e-6. Without so thin a region, look-ups answer with the laws beside it.
+TEST_F(Verify, AnswersJustBeyondARegionCountInside) {
+  ParametricProgram steep = madeProgram(kSeed, {1, 2, 1});
+  steep.H << 1.0;
+  steep.f << 0.0;
+  steep.F << -1000.0;
+  steep.A << 1.0, -1.0;
+  steep.b << 5e-6, 0.0;
+  steep.S.setZero();
+  steep.inputs[0].lower = -1.0;
+  steep.inputs[0].upper = 1.0;
+  Partition thick = explore(steep);
+  ASSERT_EQ(thick.regions.size(), 3u);
+  thick.regions.erase(thick.regions.begin());  // of the active set that is empty
+  content = encode(steep, thick);
+  const VerifyReport result = report(steep);
+  EXPECT_TRUE(result.passed()) << verifyText(result);
+  EXPECT_GT(result.beyond.count, 10u);
+  EXPECT_GT(result.beyond.worst, manySamples().tolerance);
+  EXPECT_LT(result.beyond.worst, 2.5e-6);
+  content.laws[1] += 1e-6;
+  EXPECT_GT(report(steep).errors.count, 1000u);
+}
+
 TEST_F(Verify, CatchesAnEmptyRegion) {
   searchAllRegions();
   addSlab(-0.1);
@@ -328,7 +354,8 @@ TEST(ExactSample, MeasuresTheDistanceToTheFeasibleSet) {
   program.parameters[0].upper = 4.0;
   const auto distance = [&](double t0, double t1) {
     const Eigen::VectorXd theta = Eigen::Vector2d(t0, t1);
-    return ExactSample(program, theta).distanceToFeasible();
+    const auto nearest = ExactSample(program, theta).nearestFeasible();
+    return nearest ? nearest->distance : std::numeric_limits<double>::infinity();
   };
   EXPECT_EQ(distance(0.5, 0.0), 0.0);
   // Half ranges are 4 and 1: both move by r, 1 = 4 r + r.

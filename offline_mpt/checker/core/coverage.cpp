@@ -79,11 +79,12 @@ void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row
   const std::size_t other = line.count(claims_.size() - 1);
   used.push_back(other);
   const std::vector<Row> rows = checkedRegion(other).listed;
-  require(valueAt(plane, claims_[other].point) < 0, "a region does not lie behind the facet that it covers");
+  const bool is_behind = valueAt(plane, claims_[other].point) < 0;
   const auto cover = [&](const std::vector<const Row*>& part) { checkCover(line, plane, part, used); };
   for (const Row& row : rows) {
     const bool is_along = line.next(tag::kAlongPlane);
     require(proportional(row, plane) == is_along, "a cut along the facet");
+    require(is_behind || !is_along, "a region does not lie behind the facet that it covers");
     if (!is_along) readCut(line, row, &plane, cell, cover);
   }
 }

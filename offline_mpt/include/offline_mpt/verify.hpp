@@ -64,6 +64,9 @@ struct VerifyReport {
   Finding missed;
   /// The sample is infeasible, but the map answers. Worst: distance to the feasible set [scaled].
   Finding false_inside;
+  /// Would be an error or false inside, but is right at the nearest parameter of the region that answers: no fault. Look-ups
+  /// answer so far beyond a region. Worst: scaled error, or distance to the feasible set.
+  Finding beyond;
   /// Two regions hold the sample and differ in u. Worst: scaled difference.
   Finding overlaps;
   /// The tree and the test of all regions disagree.

@@ -155,14 +155,19 @@ std::vector<CoverCandidate> FacetCoverProof::behind(std::uint32_t region, const 
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<CoverCandidate> candidates;
   for (const std::uint32_t other : found) {
-    if (reachesBehind(other, plane)) candidates.push_back({other, &rowsOf(other, storage)});
+    const std::vector<ExactRow>& rows = rowsOf(other, storage);
+    if (reachesBehind(other, rows, plane)) candidates.push_back({other, &rows});
   }
   return candidates;
 }
 
-bool FacetCoverProof::reachesBehind(std::uint32_t region, const ExactRow& plane) const {
+// By its interior point, or, where it reaches the plane, because none of its rows stops it there.
+bool FacetCoverProof::reachesBehind(std::uint32_t region, const std::vector<ExactRow>& rows,
+                                    const ExactRow& plane) const {
   const RegionCheck& check = checks_[region];
-  return check.described && !check.point.empty() && valueAt(plane, check.point) < 0;
+  if (!check.described || check.point.empty()) return false;
+  return valueAt(plane, check.point) < 0 ||
+         std::none_of(rows.begin(), rows.end(), [&](const ExactRow& row) { return vanishesOn(row, plane); });
 }
 
 FacetBehind FacetCoverProof::addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
@@ -206,9 +211,10 @@ FacetBehind FacetCoverProof::closeByCover(std::uint32_t region, std::uint32_t ro
     for (std::uint32_t r = 0; r < checks_.size(); ++r) {
       const auto is_r = [r](const CoverCandidate& candidate) { return candidate.region == r; };
       if (r == region || std::any_of(candidates.begin(), candidates.end(), is_r) ||
-          !nearlyHolds(context_, checks_, r, uncovered) || !reachesBehind(r, plane))
+          !nearlyHolds(context_, checks_, r, uncovered))
         continue;
-      candidates.push_back({r, &rowsOf(r, storage)});
+      const std::vector<ExactRow>& rows = rowsOf(r, storage);
+      if (reachesBehind(r, rows, plane)) candidates.push_back({r, &rows});
     }
     if (candidates.size() == before) return addGap(region, row, plane, uncovered, defects);
   }
@@ -257,39 +263,18 @@ bool FacetCoverProof::liesBehind(const std::vector<int>& active, const std::vect
   return interior.exists;
 }
 
-// An active set that should be in the map. It is that of a point nearer to the facet than any region is wide; where H is zero,
-// one row changes, and perhaps one more in exchange.
-void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins,
-                                  const ExactRow& plane, const std::vector<Rational>& uncovered,
-                                  Defect& defect) const {
-  const ExactProgram& program = context_.program;
+// An active set that should be in the map: that of a point nearer to the facet than any region is wide.
+void FacetCoverProof::findMissing(const RegionCheck& check, const ExactRow& plane,
+                                  const std::vector<Rational>& uncovered, Defect& defect) const {
+  constexpr unsigned long kNearBits = 400;
+  const Rational near(Integer(1), Integer(1) << kNearBits);
+  std::vector<Rational> t = uncovered;
+  for (std::size_t j = 0; j < t.size(); ++j) t[j] += near * Rational(plane.unit[j]);
+  const auto active = activeSetAt(context_.program, t, check.active);
   std::vector<Rational> point;
-  const auto take = [&](const std::vector<int>& candidate) {
-    if (!liesBehind(candidate, uncovered, point)) return false;
-    defect.missing = candidate;
-    defect.witness = toTheta(program, point);
-    return true;
-  };
-  if (!program.linear) {
-    constexpr unsigned long kNearBits = 400;
-    const Rational near(Integer(1), Integer(1) << kNearBits);
-    std::vector<Rational> t = uncovered;
-    for (std::size_t j = 0; j < t.size(); ++j) t[j] += near * Rational(plane.unit[j]);
-    const auto active = activeSetAt(program, t, check.active);
-    if (active) take(*active);
-    return;
-  }
-  for (const ExactOrigin& origin : origins) {
-    const std::vector<int> changed = changedSet(check.active, origin);
-    if (take(changed)) return;
-    for (int row = 0; row < program.m; ++row) {
-      const auto at = static_cast<std::size_t>(row);
-      const bool active = std::binary_search(changed.begin(), changed.end(), row);
-      const auto kind = active ? ExactOrigin::Kind::kMultiplier : ExactOrigin::Kind::kSlack;
-      if (program.in_basis[at] != 0 || program.is_equality[at] != 0) continue;
-      if (take(changedSet(changed, {kind, row}))) return;
-    }
-  }
+  if (!active || !liesBehind(*active, uncovered, point)) return;
+  defect.missing = *active;
+  defect.witness = toTheta(context_.program, point);
 }
 
 FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std::string& text,
@@ -332,7 +317,7 @@ FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std:
     return behind;
   }
   if (defects.size() == known) return behind;  // stopped
-  findMissing(check, origins, rowsOf(region, storage)[row], uncovered, defects.back());
+  findMissing(check, rowsOf(region, storage)[row], uncovered, defects.back());
   return behind;
 }
 

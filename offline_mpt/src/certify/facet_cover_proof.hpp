@@ -39,7 +39,7 @@ class FacetCoverProof {
   const std::vector<ExactRow>& rowsOf(std::uint32_t region, std::deque<std::vector<ExactRow>>& storage) const;
   bool proveEdge(const RegionCheck& check, const std::vector<ExactOrigin>& origins, std::string& text) const;
   /// Whether the region, with an inner point, has that behind the plane.
-  bool reachesBehind(std::uint32_t region, const ExactRow& plane) const;
+  bool reachesBehind(std::uint32_t region, const std::vector<ExactRow>& rows, const ExactRow& plane) const;
   std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane,
                                      std::deque<std::vector<ExactRow>>& storage) const;
   FacetBehind closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
@@ -49,8 +49,8 @@ class FacetCoverProof {
                            std::vector<Defect>& defects) const;
   FacetBehind addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
                      const std::vector<Rational>& uncovered, std::vector<Defect>& defects) const;
-  void findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins, const ExactRow& plane,
-                   const std::vector<Rational>& uncovered, Defect& defect) const;
+  void findMissing(const RegionCheck& check, const ExactRow& plane, const std::vector<Rational>& uncovered,
+                   Defect& defect) const;
   bool liesBehind(const std::vector<int>& active, const std::vector<Rational>& uncovered,
                   std::vector<Rational>& point) const;
 

@@ -4,9 +4,17 @@
 #include <utility>
 
 #include "exact_kkt/exact_region.hpp"
+#include "offline_mpt/exact_lp.hpp"
 
 namespace polyfly {
 namespace {
+
+/// row (t, 1)
+Rational valueAt(const IntegerMatrix& rows, int row, const std::vector<Rational>& t) {
+  Rational value(rows(row, rows.columns() - 1));
+  for (int j = 0; j + 1 < rows.columns(); ++j) value += rows(row, j) * t[static_cast<std::size_t>(j)];
+  return value;
+}
 
 class DualSteps {
  public:
@@ -99,8 +107,7 @@ class DualSteps {
   }
 
   Rational slack(int row) const {
-    Rational sum;
-    for (int j = 0; j <= program_.p; ++j) sum += program_.bound(row, j) * t_[static_cast<std::size_t>(j)];
+    Rational sum = valueAt(program_.bound, row, t_);
     for (int i = 0; i < program_.n; ++i) sum -= program_.A(row, i) * z_[static_cast<std::size_t>(i)];
     return sum;
   }
@@ -131,11 +138,54 @@ class DualSteps {
   std::vector<Rational> z_;
 };
 
+/// Where H is zero: the rows with a multiplier. A feasible z is optimal at t where all of them are tight, and nowhere else.
+std::optional<std::vector<int>> rowsOfOptima(const ExactProgram& program, const std::vector<Rational>& t) {
+  ExactLp lp;
+  lp.addColumns(program.n);
+  lp.addRows(program.m);
+  for (int i = 0; i < program.n; ++i) {
+    lp.setColumnBounds(i, ExactLp::Bound::kFree, 0, 0);
+    lp.setObjective(i, valueAt(program.cost, i, t));
+  }
+  for (int row = 0; row < program.m; ++row) {
+    const auto at = static_cast<std::size_t>(row);
+    if (program.in_basis[at] == 0 && (program.is_equality[at] != 0 || program.is_dropped[at] != 0)) continue;
+    const Rational bound = valueAt(program.bound, row, t);
+    lp.setRowBounds(row, program.in_basis[at] != 0 ? ExactLp::Bound::kFixed : ExactLp::Bound::kUpper, bound,
+                    bound);
+    for (int i = 0; i < program.n; ++i) {
+      if (program.A(row, i) != 0) lp.setCoefficient(row, i, program.A(row, i));
+    }
+  }
+  if (lp.solve() != ExactLp::Status::kOptimal) return std::nullopt;
+  std::vector<int> rows;
+  for (int row = 0; row < program.m; ++row) {
+    if (program.in_basis[static_cast<std::size_t>(row)] == 0 && lp.rowDual(row) != 0) rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Of all optima the shortest: with the rows of all as equalities, the cost is gone.
+std::optional<std::vector<int>> shortestSetAt(const ExactProgram& program, const std::vector<Rational>& t) {
+  const std::optional<std::vector<int>> rows = rowsOfOptima(program, t);
+  if (!rows) return std::nullopt;
+  ExactProgram face = program;
+  face.linear = false;
+  face.cost = IntegerMatrix(program.n, program.p + 1);
+  face.basis.insert(face.basis.end(), rows->begin(), rows->end());
+  for (const int row : *rows) face.in_basis[static_cast<std::size_t>(row)] = 1;
+  std::optional<std::vector<int>> active = activeSetAt(face, t, {});
+  if (!active) return std::nullopt;
+  active->insert(active->end(), rows->begin(), rows->end());
+  std::sort(active->begin(), active->end());
+  return active;
+}
+
 }  // namespace
 
 std::optional<std::vector<int>> activeSetAt(const ExactProgram& program, const std::vector<Rational>& t,
                                             const std::vector<int>& start) {
-  if (program.linear) return std::nullopt;
+  if (program.linear) return shortestSetAt(program, t);
   DualSteps steps(program, t);
   if (!steps.begin(start) && !steps.begin({})) return std::nullopt;
   // Each step raises the dual cost; where several rows are tight at t it may stay, and rows could come and go for ever.

@@ -3,14 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exact_kkt/exact_active_set.hpp"
 #include "exact_kkt/exact_equalities.hpp"
+#include "program/program_rows.hpp"
 
 namespace polyfly {
 namespace {
 
-ProgramPerturbation adjustmentOf(const ParametricProgram& program) {
+/// Rows that the reduced program has not are dropped.
+ProgramPerturbation adjustmentOf(const NormalisedProgram& reduced) {
+  const ParametricProgram& program = reduced.source;
   ProgramPerturbation adjustment;
   chooseBasis(program, program.equalities, adjustment);
+  for (int row = 0; row < program.rowCount(); ++row) {
+    const auto& kept = reduced.row_ids;
+    if (!isEquality(program, row) && std::find(kept.begin(), kept.end(), row) == kept.end())
+      adjustment.dropped.push_back(row);
+  }
   return adjustment;
 }
 
@@ -27,23 +36,43 @@ double quotient(const Integer& numerator, const Integer& denominator, long expon
 }  // namespace
 
 ExactDescription::Source::Source(const NormalisedProgram& reduced)
-    : program(reduced.source, adjustmentOf(reduced.source)),
+    : program(reduced.source, adjustmentOf(reduced)),
       usable(program.n - static_cast<int>(program.basis.size()) == reduced.n) {}
 
-bool ExactDescription::solve(const std::vector<std::uint16_t>& active) {
+bool ExactDescription::prepare() {
   if (!source_) source_.emplace(reduced_);
-  if (!source_->usable) return false;
+  return source_->usable;
+}
+
+bool ExactDescription::activeSetAt(const Eigen::VectorXd& t, std::vector<std::uint16_t>& active) {
+  if (!prepare()) return false;
+  const auto rows =
+      polyfly::activeSetAt(source_->program, std::vector<Rational>(t.data(), t.data() + t.size()), {});
+  if (!rows) return false;
+  active.clear();
+  const auto& kept = reduced_.row_ids;
+  for (const int row : *rows)
+    active.push_back(static_cast<std::uint16_t>(std::find(kept.begin(), kept.end(), row) - kept.begin()));
+  std::sort(active.begin(), active.end());
+  return true;
+}
+
+ExactStatus ExactDescription::solve(const std::vector<std::uint16_t>& active) {
+  if (!prepare()) return ExactStatus::kInconsistent;
   active_ = active;
   std::vector<int> rows;
   for (const int row : active) rows.push_back(reduced_.row_ids[static_cast<std::size_t>(row)]);
   const ExactProgram& program = source_->program;
-  if (solution_.solve(program, rows) != ExactStatus::kRegion) return false;
-  return std::all_of(reduced_.source.equalities.begin(), reduced_.source.equalities.end(), [&](int row) {
-    const auto at = static_cast<std::size_t>(row);
-    if (program.in_basis[at] != 0 || program.is_dropped[at] != 0) return true;
-    const std::vector<Integer> slack = solution_.slack(program, row);
-    return std::all_of(slack.begin(), slack.end(), [](const Integer& value) { return value == 0; });
-  });
+  const ExactStatus status = solution_.solve(program, rows);
+  if (status != ExactStatus::kRegion) return status;
+  const bool hold =
+      std::all_of(reduced_.source.equalities.begin(), reduced_.source.equalities.end(), [&](int row) {
+        const auto at = static_cast<std::size_t>(row);
+        if (program.in_basis[at] != 0 || program.is_dropped[at] != 0) return true;
+        const std::vector<Integer> slack = solution_.slack(program, row);
+        return std::all_of(slack.begin(), slack.end(), [](const Integer& value) { return value == 0; });
+      });
+  return hold ? ExactStatus::kRegion : ExactStatus::kInconsistent;
 }
 
 void ExactDescription::multiplier(std::size_t place, double* affine) const {

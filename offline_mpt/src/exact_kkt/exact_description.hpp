@@ -16,9 +16,8 @@ class ExactDescription {
  public:
   explicit ExactDescription(const NormalisedProgram& reduced) : reduced_(reduced) {}
 
-  /// False where the set cannot be described: its rows are dependent, or the program's equalities hold up to
-  /// rounding only.
-  bool solve(const std::vector<std::uint16_t>& active);
+  /// kInconsistent also where the program's equalities hold up to rounding only.
+  ExactStatus solve(const std::vector<std::uint16_t>& active);
 
   // Of the set that was described last; affine functions of t are p + 1 numbers, constant last.
 
@@ -31,7 +30,12 @@ class ExactDescription {
   /// q rows
   void law(std::vector<double>& out) const;
 
+  /// The active set of the optimum at t into `active`, ascending, decided without rounding. False: none is found, `active` stays.
+  bool activeSetAt(const Eigen::VectorXd& t, std::vector<std::uint16_t>& active);
+
  private:
+  /// False where the program cannot be used.
+  bool prepare();
   void unknown(std::size_t place, const Integer& (ExactSolution::*of)(int, int) const, long units,
                double* affine) const;
 

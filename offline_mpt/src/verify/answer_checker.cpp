@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "polyfly_base/error.hpp"
 #include "verify/exact_sample.hpp"
@@ -11,6 +12,27 @@ namespace polyfly {
 
 using Kind = SampleFinding::Kind;
 using Verdict = StrictAnswer::Verdict;
+
+namespace {
+
+/// A program without variables, feasible in the region.
+ParametricProgram regionAlone(const RegionMap& map, std::uint32_t index) {
+  const RegionView region = map.region(index);
+  const auto p = static_cast<Eigen::Index>(map.parameters().size());
+  ParametricProgram program;
+  program.parameters = map.parameters();
+  program.A_theta.resize(region.row_count, p);
+  program.b_theta.resize(region.row_count);
+  for (std::uint32_t i = 0; i < region.row_count; ++i) {
+    const double sign = region.rows[i] > 0 ? 1.0 : -1.0;
+    const double* plane = map.plane(static_cast<std::size_t>(std::abs(region.rows[i])) - 1);
+    program.A_theta.row(i) = sign * Eigen::Map<const Eigen::RowVectorXd>(plane, p);
+    program.b_theta[i] = sign * plane[p];
+  }
+  return program;
+}
+
+}  // namespace
 
 AnswerChecker::AnswerChecker(const RegionMap& map, const ParametricProgram& program,
                              const Eigen::VectorXd& ranges, const AnswerRules& rules)
@@ -33,10 +55,26 @@ SampleFinding AnswerChecker::check(const Eigen::VectorXd& theta) {
   finding.lookup = map_.evaluate(theta.data(), finding.u.data());
   if (finding.lookup.status == LookupStatus::kInside) {
     checkAnswer(theta, finding);
+    const bool is_fault = finding.kind == Kind::kWrong || finding.kind == Kind::kFalseInside;
+    if (is_fault && isRightInRegion(theta, finding)) finding.kind = Kind::kBeyond;
   } else {
     finding.kind = kindOfSilence(theta);
   }
   return finding;
+}
+
+bool AnswerChecker::isRightInRegion(const Eigen::VectorXd& theta, const SampleFinding& finding) {
+  if (!map_.contains(finding.lookup.region, theta.data())) return false;
+  const ParametricProgram region = regionAlone(map_, finding.lookup.region);
+  const auto nearest = ExactSample(region, theta).nearestFeasible();
+  if (!nearest || nearest->distance == 0.0) return false;
+  SampleFinding inside = finding;
+  const Eigen::Index p = theta.size();
+  const double* law = map_.law(finding.lookup.law);
+  for (Eigen::Index k = 0; k < inside.u.size(); ++k, law += p + 1)
+    inside.u[k] = Eigen::Map<const Eigen::VectorXd>(law, p).dot(nearest->theta) + law[p];
+  checkAnswer(nearest->theta, inside);
+  return inside.kind == Kind::kRight || inside.kind == Kind::kEdge;
 }
 
 void AnswerChecker::checkAnswer(const Eigen::VectorXd& theta, SampleFinding& finding) {
@@ -71,8 +109,8 @@ void AnswerChecker::checkAnswer(const Eigen::VectorXd& theta, SampleFinding& fin
 }
 
 void AnswerChecker::decideInfeasible(const Eigen::VectorXd& theta, SampleFinding& finding) {
-  finding.kind = isAtEdge(theta) ? Kind::kEdge : Kind::kFalseInside;
-  if (finding.kind == Kind::kFalseInside) finding.error = ExactSample(program_, theta).distanceToFeasible();
+  finding.error = distanceToFeasible(theta);
+  finding.kind = finding.error <= rules_.edge ? Kind::kEdge : Kind::kFalseInside;
 }
 
 Kind AnswerChecker::kindOfSilence(const Eigen::VectorXd& theta) {
@@ -89,12 +127,18 @@ bool AnswerChecker::isInfeasible(const Eigen::VectorXd& theta) {
   return qp.solve(theta, {}, precision_).verdict == Verdict::kInfeasible;
 }
 
-// Beside a corner of the feasible set, no axis may lead there.
 bool AnswerChecker::isAtEdge(const Eigen::VectorXd& theta) {
-  const bool is_infeasible = isInfeasible(theta);
-  const auto differs = [&](const Eigen::VectorXd& at) { return isInfeasible(at) != is_infeasible; };
-  if (anyBeside(theta, program_.parameters, rules_.edge, differs)) return true;
-  return is_infeasible && ExactSample(program_, theta).distanceToFeasible() <= rules_.edge;
+  if (isInfeasible(theta)) return distanceToFeasible(theta) <= rules_.edge;
+  return anyBeside(theta, program_.parameters, rules_.edge,
+                   [&](const Eigen::VectorXd& at) { return isInfeasible(at); });
+}
+
+// At most, where it is less than the edge. Beside a corner of the feasible set, no axis may lead there.
+double AnswerChecker::distanceToFeasible(const Eigen::VectorXd& theta) {
+  const auto isFeasible = [&](const Eigen::VectorXd& at) { return !isInfeasible(at); };
+  if (anyBeside(theta, program_.parameters, rules_.edge, isFeasible)) return rules_.edge;
+  const auto nearest = ExactSample(program_, theta).nearestFeasible();
+  return nearest ? nearest->distance : std::numeric_limits<double>::infinity();
 }
 
 Eigen::VectorXd inputRanges(const RegionMap& map, const std::vector<Eigen::VectorXd>& samples) {

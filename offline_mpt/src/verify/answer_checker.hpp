@@ -19,13 +19,15 @@ struct SampleFinding {
     kOutside,      ///< the map is silent, and there is no solution
     kMissed,       ///< the map is silent where there is a solution
     kFalseInside,  ///< the map answers where there is no solution
+    kBeyond,       ///< kWrong or kFalseInside, but right at the nearest parameter of the region that answers
     kUnbounded,    ///< there are solutions, and the cost falls without end
     kEdge,         ///< map and program differ, but near the edge of the feasible set
     kUndecided,    ///< the optimum could not be found
   };
   Kind kind = Kind::kRight;
   Lookup lookup;
-  /// kRight, kWrong: of u, the greatest share of an input's range. kFalseInside: distance to the feasible set [scaled].
+  /// kRight, kWrong: of u, the greatest share of an input's range. kFalseInside: distance to the feasible set [scaled]. kBeyond:
+  /// either.
   double error = 0.0;
   Eigen::VectorXd u;      ///< the map's
   Eigen::VectorXd right;  ///< the optimum, where there is one
@@ -47,7 +49,8 @@ struct AnswerRules {
 /// Checks answers of a map, also of one that is reduced, against the numbers of its program. The tight rows of the region that
 /// answers give the optimum, with 32 digits; where they do not, a dual active-set method goes on from them. Before a map is
 /// called wrong about where there is a solution, or about a linear cost, exact linear programs decide. So they do of each
-/// silence, if asked. One object serves one thread.
+/// silence, if asked. Look-ups answer within the map's tolerance beyond a region; how far u is off there depends on laws and
+/// corners, so the answer counts at the nearest parameter of the region. One object serves one thread.
 class AnswerChecker {
  public:
   /// All that is given outlives the object. `ranges` is what errors of the inputs are shares of. Throws Error where H is
@@ -65,9 +68,11 @@ class AnswerChecker {
 
  private:
   void checkAnswer(const Eigen::VectorXd& theta, SampleFinding& finding);
+  bool isRightInRegion(const Eigen::VectorXd& theta, const SampleFinding& finding);
   SampleFinding::Kind kindOfSilence(const Eigen::VectorXd& theta);
   void decideInfeasible(const Eigen::VectorXd& theta, SampleFinding& finding);
   bool isInfeasible(const Eigen::VectorXd& theta);
+  double distanceToFeasible(const Eigen::VectorXd& theta);
 
   const RegionMap& map_;
   const ParametricProgram& program_;

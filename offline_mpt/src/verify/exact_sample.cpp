@@ -1,7 +1,6 @@
 #include "verify/exact_sample.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "verify/tolerances.hpp"
 
@@ -72,16 +71,18 @@ ExactLp::Status ExactSample::status() const {
 }
 
 // Columns z, changes d of theta in half-ranges, r: min r, |d_j| <= r.
-double ExactSample::distanceToFeasible() const {
+std::optional<ExactSample::Nearest> ExactSample::nearestFeasible() const {
   const int p = program_.parameterCount();
+  const auto half = [&](int j) {
+    const Signal& signal = program_.parameters[static_cast<std::size_t>(j)];
+    return Rational((Rational(signal.upper) - Rational(signal.lower)) / 2);
+  };
   ExactLp lp = rowsAtTheta();
   const int d = addFreeColumns(lp, p), r = lp.addColumns(1);
   lp.setObjective(r, 1);
   const auto moved = [&](int row, const Eigen::MatrixXd& M, int i, int sign) {
     for (int j = 0; j < p; ++j) {
-      const Signal& signal = program_.parameters[static_cast<std::size_t>(j)];
-      const Rational half = (Rational(signal.upper) - Rational(signal.lower)) / 2;
-      if (M(i, j) != 0.0) lp.setCoefficient(row, d + j, sign * half * Rational(M(i, j)));
+      if (M(i, j) != 0.0) lp.setCoefficient(row, d + j, sign * half(j) * Rational(M(i, j)));
     }
   };
   for (int i = 0; i < program_.rowCount(); ++i) moved(i, program_.S, i, -1);
@@ -89,17 +90,20 @@ double ExactSample::distanceToFeasible() const {
     moved(addRowBelow(lp, roomInSet(i)), program_.A_theta, i, 1);
   for (int j = 0; j < p; ++j) {
     const Signal& signal = program_.parameters[static_cast<std::size_t>(j)];
-    const Rational theta(theta_[j]), half = (Rational(signal.upper) - Rational(signal.lower)) / 2;
-    lp.setColumnBounds(d + j, Bound::kDouble, (Rational(signal.lower) - theta) / half,
-                       (Rational(signal.upper) - theta) / half);
+    const Rational theta(theta_[j]);
+    lp.setColumnBounds(d + j, Bound::kDouble, (Rational(signal.lower) - theta) / half(j),
+                       (Rational(signal.upper) - theta) / half(j));
     for (const int sign : {-1, 1}) {
       const int row = addRowBelow(lp, 0);
       lp.setCoefficient(row, d + j, sign);
       lp.setCoefficient(row, r, -1);
     }
   }
-  if (lp.solve() != ExactLp::Status::kOptimal) return std::numeric_limits<double>::infinity();
-  return lp.objective().get_d();
+  if (lp.solve() != ExactLp::Status::kOptimal) return std::nullopt;
+  Nearest nearest{theta_, lp.objective().get_d()};
+  for (int j = 0; j < p; ++j)
+    nearest.theta[j] = Rational(Rational(theta_[j]) + half(j) * lp.primal(d + j)).get_d();
+  return nearest;
 }
 
 // Among the z whose cost is the least one but for rounding, the greatest share t of |u - E z - C theta - c| is least.

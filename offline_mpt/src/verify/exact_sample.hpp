@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/exact_lp.hpp"
@@ -17,9 +18,14 @@ class ExactSample {
   /// Whether theta is in the parameter set and has a z and, with H = 0, whether the cost has an end.
   ExactLp::Status status() const;
 
-  /// Least change of theta, in units of half a range and in the greatest component, that makes the program feasible. Infinite
-  /// where no theta of the box does.
-  double distanceToFeasible() const;
+  /// The nearest theta at which the program is feasible, and how far away it is.
+  struct Nearest {
+    Eigen::VectorXd theta;
+    /// In units of half a range and in the greatest component.
+    double distance = 0.0;
+  };
+  /// Nothing where no theta of the box is feasible.
+  std::optional<Nearest> nearestFeasible() const;
 
   /// H = 0, with an optimum: of the outputs that are optimal up to rounding of the cost, the nearest to u. Distances are
   /// greatest shares of `ranges`.

@@ -54,6 +54,7 @@ std::string faultOf(const SampleFinding& finding, const Eigen::VectorXd& theta) 
     case Kind::kRight:
     case Kind::kOutside:
     case Kind::kEdge:
+    case Kind::kBeyond:
       return "";
     case Kind::kWrong:
       std::snprintf(share, sizeof share, "%.3g", finding.error);

@@ -55,6 +55,7 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   merge(total.errors, part.errors);
   merge(total.missed, part.missed);
   merge(total.false_inside, part.false_inside);
+  merge(total.beyond, part.beyond);
   merge(total.overlaps, part.overlaps);
   merge(total.tree_errors, part.tree_errors);
   merge(total.unbounded, part.unbounded);
@@ -127,6 +128,8 @@ class Checker {
       case Kind::kFalseInside:
         ++report.infeasible;
         return note(report.false_inside, finding.error, theta);
+      case Kind::kBeyond:
+        return note(report.beyond, finding.error, theta);
       case Kind::kUnbounded:
         return note(report.unbounded, 0.0, theta);
       case Kind::kEdge:

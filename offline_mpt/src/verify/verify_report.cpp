@@ -22,6 +22,7 @@ std::vector<NamedFinding> findings(const VerifyReport& report) {
       {"missed", "feasible, but in no region", "", &report.missed},
       {"false_inside", "infeasible, but answered", "distance to the feasible set [scaled]",
        &report.false_inside},
+      {"beyond", "off beyond a region's edge (no fault)", "share or distance", &report.beyond},
       {"overlaps", "in several regions that differ", "scaled difference", &report.overlaps},
       {"tree_errors", "tree and test of all regions disagree", "", &report.tree_errors},
       {"empty_regions", "drawn from a region without interior", "by [scaled]", &report.empty_regions},

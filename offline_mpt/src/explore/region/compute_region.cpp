@@ -22,20 +22,9 @@ Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double s
   return probe;
 }
 
-/// The active set of the optimum at t, which its region holds, if doubles find one; otherwise the last that was tried.
-/// Where H is zero, |z|^2 has to weigh so little that the cost comes first, but rounding not at all.
-bool optimalSetAt(const NormalisedProgram& program, RegionWorkspace& worker, const Eigen::VectorXd& t,
-                  ActiveSet& active) {
-  for (const double weight : tolerance::kLinearStarts) {
-    if (!activeSetAt(program, worker.qp, t, 0.0, weight, active)) return false;
-    if (!program.linear || worker.builder.holds(active, t.data(), tolerance::kHeldProbe)) break;
-  }
-  return true;
-}
-
 /// A degenerate facet and its candidates, neighbours `begin` to `end` - 1, of which one must hold a point
 /// just across it. Where none does so clearly, a program of its own finds the active set there, which joins
-/// them.
+/// them. Where H is zero and that one does not hold the point either, fractions find it.
 void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const DegenerateFacet& degenerate,
                 RegionResult& out) {
   const double widen = program.linear && !program.constantCost() ? tolerance::kLinearProbe : 1.0;
@@ -51,13 +40,14 @@ void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const
   if (held(-tolerance::kClearlyInside)) return;
   ActiveSet active;
   // A probe without an active set lies at the edge of the feasible set.
-  if (!activeSetAt(program, worker.qp, probe, widen * tolerance::kProbeEdge, tolerance::kLinearStarts[0],
-                   active))
-    return;
-  if (!optimalSetAt(program, worker, probe, active)) return;
-  out.addNeighbour(active, degenerate.facet);
-  if (held(tolerance::kHeldProbe) || worker.builder.holds(active, probe.data(), tolerance::kHeldProbe))
-    return;
+  if (!activeSetAt(program, worker.qp, probe, widen * tolerance::kProbeEdge, active)) return;
+  if (!activeSetAt(program, worker.qp, probe, 0.0, active)) return;
+  const auto isFound = [&] {
+    out.addNeighbour(active, degenerate.facet);
+    return worker.builder.holds(active, probe.data(), tolerance::kHeldProbe);
+  };
+  if (isFound() || held(tolerance::kHeldProbe)) return;
+  if (program.linear && worker.exact.activeSetAt(probe, active) && isFound()) return;
   Region optimal;
   if (worker.builder.build(active, optimal) == BuildStatus::kRegion) return;  // ill-conditioned, but not lost
   out.unresolved.insert(out.unresolved.end(), probe.data(), probe.data() + program.p);
@@ -145,8 +135,11 @@ bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, 
       const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
       t(j) += spread * (2.0 * unit - 1.0);
     }
-    if (!optimalSetAt(program, worker, t, active)) continue;
+    if (!activeSetAt(program, worker.qp, t, 0.0, active)) continue;
     if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
+    if (program.linear && worker.exact.activeSetAt(t, active) &&
+        worker.builder.build(active, region) == BuildStatus::kRegion)
+      return true;
   }
   return false;
 }

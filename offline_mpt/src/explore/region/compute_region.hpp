@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "exact_kkt/exact_description.hpp"
 #include "explore/region/region_builder.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/explore_options.hpp"
@@ -39,11 +40,13 @@ struct DegenerateFacet {
 struct RegionWorkspace {
   RegionWorkspace(const NormalisedProgram& program, const ExploreOptions& options)
       : builder(program, options.facet_tolerance, options.radius_tolerance),
+        exact(program),
         qp(Eigen::MatrixXd::Identity(program.n, program.n), program.M) {}
 
   unsigned long long pivots() const { return builder.pivots(); }
 
   RegionBuilder builder;
+  ExactDescription exact;
   DenseQp qp;
   ActiveSet candidate;
   std::vector<DegenerateFacet> degenerate;

@@ -23,8 +23,9 @@ class ConvexKktSolver : public ProgramKktSolver {
   bool foreseesChanges() const override { return true; }
 
   bool hasCostMultipliers() const override { return false; }
-  CostScale costScale(const std::vector<double>&) const override { return {}; }
+  CostScale costScale() const override { return {}; }
   bool hasConstantCosts() const override { return false; }
+  bool isCostOpen() const override { return false; }
   bool crossCostFacet(const ActiveSet&, int, ActiveSetList&) const override { return false; }
 
  protected:

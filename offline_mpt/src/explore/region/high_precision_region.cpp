@@ -7,7 +7,10 @@ namespace polyfly {
 KktSolver::Outcome HighPrecisionRegionSolver::solve(const ActiveSet& active) {
   if (!long_) long_.emplace(reduced_);
   is_long_ = long_->solve(active);
-  return is_long_ || exact_.solve(active) ? Outcome::kSolved : Outcome::kDependent;
+  if (is_long_) return Outcome::kSolved;
+  const ExactStatus status = exact_.solve(active);
+  if (status == ExactStatus::kCostNotSpanned) return Outcome::kNoOptimum;
+  return status == ExactStatus::kRegion ? Outcome::kSolved : Outcome::kDependent;
 }
 
 void HighPrecisionRegionSolver::multiplier(std::size_t place, double* affine) const {

@@ -60,9 +60,11 @@ struct CostScale {
 class ProgramKktSolver : public KktSolver {
  public:
   virtual bool hasCostMultipliers() const = 0;
-  virtual CostScale costScale(const std::vector<double>& cost_multipliers) const = 0;
+  virtual CostScale costScale() const = 0;
   /// Whether cost multipliers are there and do not depend on the parameters.
   virtual bool hasConstantCosts() const = 0;
+  /// Whether a cost multiplier, or what the active rows miss of the cost, is too small for doubles to tell it from zero.
+  virtual bool isCostOpen() const = 0;
   /// Adds the sets that can be optimal where the cost multiplier of row `leaving` of `active` changes its sign.
   /// Returns whether any is.
   virtual bool crossCostFacet(const ActiveSet& active, int leaving, ActiveSetList& sets) const = 0;

@@ -26,15 +26,19 @@ KktSolver::Outcome LinearKktSolver::solve(const ActiveSet& active) {
   }
   factor_.solve(cost_multipliers_.data(), width);
   Eigen::MatrixXd rest = cost;
+  const double zero = tolerance::kCostResidual * scale_;
   double greatest = 0.0;
+  is_open_ = static_cast<int>(active.size()) < program_.n;
   for (std::size_t r = 0; r < active.size(); ++r) {
+    double largest = 0.0;
     for (std::size_t j = 0; j < width; ++j) {
       const double cost_multiplier = cost_multipliers_[r * width + j];
       rest.col(static_cast<Eigen::Index>(j)) += cost_multiplier * program_.M.row(active[r]).transpose();
-      greatest = std::max(greatest, std::abs(cost_multiplier));
+      largest = std::max(largest, std::abs(cost_multiplier));
     }
+    greatest = std::max(greatest, largest);
+    is_open_ = is_open_ || largest <= zero;
   }
-  const double zero = tolerance::kCostResidual * scale_;
   doubtful_ = tolerance::kErrorMargin * noise() * greatest > zero;
   return rest.lpNorm<Eigen::Infinity>() <= zero ? Outcome::kSolved : Outcome::kNoOptimum;
 }
@@ -43,9 +47,7 @@ void LinearKktSolver::costMultiplier(std::size_t place, double* affine) const {
   std::copy_n(cost_multipliers_.data() + place * tables_.width, tables_.width, affine);
 }
 
-CostScale LinearKktSolver::costScale(const std::vector<double>&) const {
-  return {scale_, tolerance::kCostResidual * scale_};
-}
+CostScale LinearKktSolver::costScale() const { return {scale_, tolerance::kCostResidual * scale_}; }
 
 bool LinearKktSolver::crossCostFacet(const ActiveSet& active, int leaving, ActiveSetList& sets) const {
   ActiveSet kept = active;

@@ -16,8 +16,9 @@ class LinearKktSolver final : public ConvexKktSolver {
   bool foreseesChanges() const override { return false; }
 
   bool hasCostMultipliers() const override { return true; }
-  CostScale costScale(const std::vector<double>& cost_multipliers) const override;
+  CostScale costScale() const override;
   bool hasConstantCosts() const override { return constant_costs_; }
+  bool isCostOpen() const override { return is_open_ && scale_ > 0.0; }
   /// The optimum leaves the row and runs along the others until a new one stops it. Which one depends on the parameter,
   /// so all rows ahead are candidates.
   bool crossCostFacet(const ActiveSet& active, int leaving, ActiveSetList& sets) const override;
@@ -25,6 +26,7 @@ class LinearKktSolver final : public ConvexKktSolver {
  private:
   std::vector<double> cost_multipliers_;  // k x (p + 1)
   bool doubtful_ = false;
+  bool is_open_ = false;  // rows are too few, or a cost multiplier is tiny
   // Greatest |entry| of the cost.
   double scale_;
   bool constant_costs_;

@@ -61,6 +61,7 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
 // In doubles.
 BuildStatus RegionBuilder::solve(const ActiveSet& active) {
   kkt_ = rounded_.get();
+  is_cost_rounded_ = false;
   plane_error_ = 0.0;
   doubtful_ = false;
   if (!factor_.factorise(active)) return BuildStatus::kDependent;
@@ -73,6 +74,7 @@ BuildStatus RegionBuilder::solve(const ActiveSet& active) {
 BuildStatus RegionBuilder::solveAccurately(const ActiveSet& active) {
   const KktSolver::Outcome outcome = accurate_.solve(active);
   if (outcome == KktSolver::Outcome::kSolved) kkt_ = &accurate_;
+  is_cost_rounded_ = outcome == KktSolver::Outcome::kDependent;
   return statusOf(outcome);
 }
 
@@ -140,21 +142,25 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active) {
   BuildStatus status = BuildStatus::kRegion;
   const double noise = kkt_->noise();
   const bool has_costs = rounded_->hasCostMultipliers();
-  const CostScale cost = rounded_->costScale(cost_multipliers_);
+  const CostScale cost = rounded_->costScale();
+  const bool is_exact = kkt_ != rounded_.get();
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (has_costs) {
       const double* cost_multiplier = cost_multipliers_.data() + r * width_;
       double largest = 0.0;
       for (int j = 0; j < width_; ++j) largest = std::max(largest, std::abs(cost_multiplier[j]));
-      // The sign of the multiplier is that of the cost multiplier.
-      if (largest > cost.zero) {
+      // The sign of the multiplier is that of the cost multiplier, however small that is without rounding.
+      const double zero = is_exact ? 0.0 : cost.zero;
+      if (largest > zero) {
         for (int j = 0; j < width_; ++j)
-          scratch_[j] = std::abs(cost_multiplier[j]) > cost.zero ? cost_multiplier[j] : 0.0;
-        if (!addRow(scratch_.data(), {RowOrigin::Kind::kCostMultiplier, active[r]}, cost.scale,
-                    noise * largest, status))
+          scratch_[j] = std::abs(cost_multiplier[j]) > zero ? cost_multiplier[j] : 0.0;
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kCostMultiplier, active[r]},
+                    is_exact ? largest : cost.scale, noise * largest, status))
           return status;
         continue;
       }
+      if (!is_exact && isCostOpen())
+        continue;  // only fractions tell whether the cost or the length of z decides
     }
     if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale_,
                 noise * size_, status))
@@ -228,7 +234,7 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
 bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) const {
   if (status == BuildStatus::kDependent) return false;
   if (isIllConditioned()) return true;
-  if (status == BuildStatus::kRegion && law_error_ > tolerance::kAccurate) return true;
+  if (status == BuildStatus::kRegion && (isCostOpen() || law_error_ > tolerance::kAccurate)) return true;
   return plane_error_ > tolerance::kAccurate && region.radius > -tolerance::kErrorMargin * plane_error_;
 }
 
@@ -238,7 +244,8 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
   if (status == BuildStatus::kRegion) status = measure(active, region);
   if (needsAccuracy(status, region)) {
     const BuildStatus solved = solveAccurately(active);
-    if (solved == BuildStatus::kRegion) status = measure(active, region);
+    const bool is_rounded = status == BuildStatus::kRegion && is_cost_rounded_;
+    if (solved == BuildStatus::kRegion || is_rounded) status = measure(active, region);
     // The doubles found a solution where there is none.
     if (solved == BuildStatus::kEmptyInterior) return solved;
   }

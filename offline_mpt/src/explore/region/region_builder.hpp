@@ -103,6 +103,8 @@ class RegionBuilder {
   BuildStatus measure(const ActiveSet& active, Region& region);
   /// Even estimates of errors do.
   bool isIllConditioned() const { return doubtful_ || factor_.pivot() < tolerance::kDistant; }
+  /// Then the region that doubles describe holds the right one, and perhaps more.
+  bool isCostOpen() const { return rounded_->isCostOpen() && !is_cost_rounded_; }
   bool isFlat(const Region& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
   BuildStatus decideNearRows(double tolerance);
@@ -152,6 +154,8 @@ class RegionBuilder {
   double size_ = 0.0;
   // Greatest |entry| of the bounds of active rows, at least 1.
   double scale_ = 1.0;
+  // Fractions could not tell either: what doubles take for zero of the cost is zero.
+  bool is_cost_rounded_ = false;
   // Whether rounding decided that a row is constant.
   bool doubtful_ = false;
   // Approximate rounding error of the half-spaces in the box.

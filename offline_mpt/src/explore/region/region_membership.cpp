@@ -9,11 +9,14 @@ bool RegionBuilder::holds(const ActiveSet& active, const double* t, double toler
   const BuildStatus solved = solve(active);
   if (solved == BuildStatus::kDependent) return false;
   const bool held = solved == BuildStatus::kRegion && holdsAsSolved(active, t, tolerance);
-  if (!isIllConditioned() && plane_error_ <= tolerance::kAccurate) return held;
+  if (!isIllConditioned() && !(held && isCostOpen()) && plane_error_ <= tolerance::kAccurate) return held;
   if (!held && !isIllConditioned() &&
       !holdsAsSolved(active, t, tolerance + tolerance::kErrorMargin * plane_error_))
     return false;
-  return solveAccurately(active) == BuildStatus::kRegion ? holdsAsSolved(active, t, tolerance) : held;
+  const BuildStatus accurate = solveAccurately(active);
+  if (accurate == BuildStatus::kEmptyInterior) return false;
+  const bool is_rounded = held && is_cost_rounded_;
+  return accurate == BuildStatus::kRegion || is_rounded ? holdsAsSolved(active, t, tolerance) : held;
 }
 
 bool RegionBuilder::holdsAsSolved(const ActiveSet& active, const double* t, double tolerance) {

@@ -7,10 +7,10 @@
 namespace polyfly {
 
 bool activeSetAt(const NormalisedProgram& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
-                 double weight, ActiveSet& active) {
+                 ActiveSet& active) {
   Eigen::VectorXd t1(program.p + 1);
   t1 << t, 1.0;
-  const Eigen::VectorXd g = program.cost * t1 / weight;
+  const Eigen::VectorXd g = program.cost * t1 / tolerance::kLinearStart;
   const Eigen::VectorXd b = (program.D * t1).array() - margin;
   if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
   active.clear();

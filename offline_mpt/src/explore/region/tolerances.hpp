@@ -81,8 +81,8 @@ constexpr double kRoomBehind = 1e-5;
 /// Step of a probe across a degenerate facet [scaled].
 constexpr double kProbeStep = 1e-7;
 
-/// Weights of |z|^2 in programs that find active sets where H is zero.
-constexpr double kLinearStarts[] = {1e-5, 1e-7, 1e-3, 1e-9};
+/// Weight of |z|^2 in programs that find active sets where H is zero.
+constexpr double kLinearStart = 1e-5;
 
 /// Factor of step and edge where the cost of a linear program depends on the parameters: just behind a facet, the weight
 /// of |z|^2 would decide.
