@@ -29,8 +29,7 @@ class Scan {
       : source_(*source), name_(std::move(name)), visitor_(visitor) {}
 
   BagHealth run() {
-    checkMagic();
-    contents_ = listContents(&source_, kMagic.size());
+    list();
     findConnections();
     for (const FileRecord& chunk : contents_.chunks) {
       if (visitor_.progress)
@@ -43,7 +42,24 @@ class Scan {
     return std::move(health_);
   }
 
+  TimeSpan times() {
+    list();
+    if (!contents_.end_found || contents_.infos.empty()) {
+      const BagHealth health = run();
+      return {health.first, health.last};
+    }
+    TimeSpan all = contents_.infos.front().span;
+    for (const ChunkInfo& info : contents_.infos)
+      all = {std::min(all.from, info.span.from), std::max(all.to, info.span.to)};
+    return all;
+  }
+
  private:
+  void list() {
+    checkMagic();
+    contents_ = listContents(&source_, kMagic.size());
+  }
+
   void checkMagic() {
     if (source_.size() == 0) throw Error(name_ + ": is empty (0 bytes), not a bag");
     std::string begin(std::min<std::uint64_t>(kMagic.size(), source_.size()), '\0');
@@ -257,6 +273,12 @@ BagHealth scanBagBytes(const std::uint8_t* data, std::size_t size, const std::st
                        const BagVisitor& visitor) {
   MemorySource source(data, size);
   return Scan(&source, name, visitor).run();
+}
+
+TimeSpan timesOf(const std::string& path) {
+  FileSource source(path);
+  const BagVisitor nothing{[](const BagConnection&) { return false; }, {}, {}};
+  return Scan(&source, path, nothing).times();
 }
 
 bool countsFromEpoch(double time) {

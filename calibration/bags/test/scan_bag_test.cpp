@@ -69,6 +69,9 @@ TEST_P(Bags, GivesTheCountsAndLeavesTheFileAsItIs) {
   EXPECT_EQ(counts.health.indexed, GetParam().indexed);
   EXPECT_EQ(counts.health.damaged_chunks, GetParam().damaged_chunks);
   EXPECT_EQ(counts.misfits, 0);
+  const TimeSpan times = timesOf(path);
+  EXPECT_EQ(times.from, counts.health.first);
+  EXPECT_EQ(times.to, counts.health.last);
   EXPECT_EQ(counts.health.remarks.empty(),
             GetParam().indexed && GetParam().damaged_chunks == 0 && counts.health.unread_bytes == 0);
   if (counts.health.remarks.empty()) {

@@ -109,7 +109,9 @@ class LogBuilder {
             {command, polyfly::headerClock(of_commands, command_times_), firstOf(command_times_)}};
   }
 
-  FlightLog finish() {
+  // `lost` are the receive times of what is known to be lost [s].
+  FlightLog finish(const std::vector<polyfly::TimeSpan>& lost) {
+    placeLosses(lost);
     putReferencesFirst();
     placeFirstReference();
     placeSilences();
@@ -124,6 +126,19 @@ class LogBuilder {
   using Kind = FlightLog::EventKind;
 
   static double firstOf(const std::vector<double>& times) { return times.empty() ? 0.0 : times.front(); }
+
+  void placeLosses(const std::vector<polyfly::TimeSpan>& lost) {
+    if (log_.odometry.empty()) return;
+    const auto stampAt = [this](auto place) {
+      return log_.odometry[static_cast<std::size_t>(place - odometry_times_.begin())].stamp;
+    };
+    for (const polyfly::TimeSpan& span : lost) {
+      const auto next = std::upper_bound(odometry_times_.begin(), odometry_times_.end(), span.to);
+      const auto before = std::lower_bound(odometry_times_.begin(), next, span.from);
+      log_.lost.push_back({stampAt(before == odometry_times_.begin() ? before : before - 1),
+                           stampAt(next == odometry_times_.end() ? next - 1 : next)});
+    }
+  }
 
   // In simulated time many messages bear one time; the node had the reference before it answered.
   void putReferencesFirst() {
@@ -247,7 +262,7 @@ class BagReader {
     use<std_msgs::String>(parametersTopic());
     reader_.read();
     const auto clocks = builder_.clocks(fullName(topics_.odometry), fullName(topics_.command));
-    FlightLog log = builder_.finish();
+    FlightLog log = builder_.finish(reader_.lost());
     check(log);
     log.clocks = clocks;
     log.share = reader_.share();
@@ -350,12 +365,7 @@ polyfly::FlightLog readBag(const std::vector<std::string>& pieces, const BagTopi
 std::vector<std::vector<std::string>> recordingsOf(const std::vector<std::string>& bags) {
   if (bags.size() == 1) return {bags};
   std::vector<polyfly::TimeSpan> times;
-  polyfly::BagVisitor visitor;
-  visitor.wants = [](const polyfly::BagConnection&) { return false; };
-  for (const std::string& bag : bags) {
-    const polyfly::BagHealth health = polyfly::scanBag(bag, visitor);
-    times.push_back({health.first, health.last});
-  }
+  for (const std::string& bag : bags) times.push_back(polyfly::timesOf(bag));
   std::vector<std::vector<std::string>> recordings;
   for (const std::vector<std::size_t>& pieces : polyfly::recordingsOf(times)) {
     recordings.emplace_back();

@@ -122,6 +122,13 @@ polyfly::RecordingShare TopicReader::share() const {
   return share;
 }
 
+std::vector<polyfly::TimeSpan> TopicReader::lost() const {
+  std::vector<polyfly::TimeSpan> lost;
+  for (const polyfly::BagHealth& health : healths_)
+    lost.insert(lost.end(), health.lost.begin(), health.lost.end());
+  return lost;
+}
+
 std::vector<std::string> TopicReader::fileRemarks() const {
   std::vector<std::string> remarks = healths_.front().remarks;
   for (std::size_t piece = 1; piece < paths_.size(); ++piece) {

@@ -52,7 +52,12 @@ bool holds(const std::set<double>& stamps, double from, double to) {
 }  // namespace
 
 RecordFollower::RecordFollower(const FlightLog& log, const AxisMaps& maps, double mass, double tolerance)
-    : maps_(maps), mass_(mass), tolerance_(tolerance), silences_(log.silences.begin(), log.silences.end()) {
+    : maps_(maps),
+      mass_(mass),
+      tolerance_(tolerance),
+      silences_(log.silences.begin(), log.silences.end()),
+      lost_(log.lost),
+      is_lost_somewhere_(log.share && !log.share->isWhole() && log.lost.empty()) {
   for (const FlightLog::Command& command : log.commands) commands_[command.stamp] = &command.command;
   for (const FlightLog::Status& status : log.statuses) {
     if (status.reason != ControlReason::kStale) statuses_[status.stamp] = &status;
@@ -71,8 +76,16 @@ RecordFollower::RecordFollower(const FlightLog& log, const AxisMaps& maps, doubl
   may_begin_late_ = log.statuses.empty() || log.statuses.front().sequence > 0;
 }
 
+// A reference alone may be lost, so that odometry and commands show nothing.
 bool RecordFollower::isHole(double from, double to) const {
-  return holds(alone_, from, to) || (to - from > longest_ && !holds(silences_, from, to));
+  const auto overlaps = [&](const TimeSpan& span) { return span.from < to && from < span.to; };
+  return std::any_of(lost_.begin(), lost_.end(), overlaps) || holds(alone_, from, to) ||
+         (to - from > longest_ && !holds(silences_, from, to));
+}
+
+bool RecordFollower::wasLostBefore(double stamp) const {
+  return is_lost_somewhere_ ||
+         std::any_of(lost_.begin(), lost_.end(), [&](const TimeSpan& span) { return span.from < stamp; });
 }
 
 const AttitudeCommand* RecordFollower::follow(std::vector<ReplaySample>* samples) {
@@ -95,8 +108,9 @@ const AttitudeCommand* RecordFollower::follow(std::vector<ReplaySample>* samples
     } else if (!is_proven_) {
       ignorance_ = Ignorance::kMissing;
     } else if (agreeing_ > 0 && status != statuses_.end() && !has_errors) {
-      ignorance_ = Ignorance::kAltered;
-      first_altered_ = samples->size() - 1;
+      const bool was_lost = wasLostBefore(stamp);
+      ignorance_ = was_lost ? Ignorance::kMissing : Ignorance::kAltered;
+      if (!was_lost) first_altered_ = samples->size() - 1;
     }
   }
   sample.ignorance = ignorance_;
@@ -104,7 +118,7 @@ const AttitudeCommand* RecordFollower::follow(std::vector<ReplaySample>* samples
   judgeAltered(has_errors, samples);
   const bool agrees_well = ignorance_ ? apart <= kAgreement * tolerance_ : agrees;
   agreeing_ = agrees_well ? agreeing_ + 1 : 0;
-  is_proven_ = is_proven_ || agreeing_ >= kAgreeing;
+  if (agreeing_ >= kAgreeing) is_proven_ = !is_lost_somewhere_;
   if (ignorance_ && agreeing_ >= kAgreeing) ignorance_.reset();
   went_together_ = went_together_ || !ignorance_;
   // What is left of the difference goes on fading.

@@ -29,6 +29,7 @@ class RecordFollower {
 
  private:
   bool isHole(double from, double to) const;
+  bool wasLostBefore(double stamp) const;
   void judgeAltered(bool has_errors, std::vector<ReplaySample>* samples);
 
   AxisMaps maps_;
@@ -40,6 +41,9 @@ class RecordFollower {
   std::set<double> silences_;
   // Stamps of odometry without command, or of commands without odometry.
   std::set<double> alone_;
+  std::vector<TimeSpan> lost_;
+  // Whether something is lost, and nobody knows when.
+  bool is_lost_somewhere_ = false;
   // Longest time between samples that is no hole [s].
   double longest_ = 0.0;
   bool may_begin_late_ = false;
@@ -47,7 +51,7 @@ class RecordFollower {
   std::optional<Ignorance> ignorance_;
   // Where messages seem to be altered, until that is known.
   std::optional<std::size_t> first_altered_;
-  // Whether the commands agreed since the last hole.
+  // Whether the commands agreed since the last hole. Never again where one may be anywhere.
   bool is_proven_ = true;
   bool went_together_ = false;
   // Whether record and replay ever were apart.

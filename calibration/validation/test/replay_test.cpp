@@ -25,6 +25,10 @@ class Replay : public testing::Test {
     EXPECT_EQ(report.statuses.max_theta_difference, 0.0);
   }
 
+  ValidationReport validated(const FlightLog& log) const {
+    return validate(log, replay(log, maps_.axes(), options_), maps_.axes(), options_);
+  }
+
   static void flySome(FlightRecorder& recorder, std::size_t from, std::size_t to) {
     for (std::size_t sample = from; sample < to; ++sample) recorder.fly(SyntheticFlight::state(sample));
   }
@@ -129,6 +133,37 @@ TEST_F(Replay, comparesAgainWhereTheCommandsAgree) {
     EXPECT_TRUE(brokenThresholds(report, {}).empty());
     log.commands[2800].command.roll += 2e-6;
     EXPECT_EQ(brokenThresholds(count(log), {}).size(), 1u);
+  }
+}
+
+// A part is lost that held nothing but the second of three references. Its times are known or not.
+TEST_F(Replay, doesNotJudgeByAReferenceThatIsLost) {
+  options_.offset_free = false;
+  FlightRecorder recorder(maps_.axes(), options_);
+  for (const std::size_t part : {0u, 1u, 2u}) {
+    recorder.hold(SyntheticFlight::home() + Eigen::Vector3d(0.02 * static_cast<double>(part % 2), 0.0, 0.0));
+    flySome(recorder, 300 * part, 300 * part + 300);
+  }
+  const FlightLog whole = recorder.log();
+  for (const bool told : {true, false}) {
+    for (const bool timed : {true, false}) {
+      FlightLog log = whole;
+      log.events.erase(log.events.begin() + 301);
+      if (!told) log.statuses.clear();
+      EXPECT_FALSE(brokenThresholds(validated(log), {}).empty());
+      log.share = RecordingShare{{999.0, 1000.0}, {99.0, 100.0}, {10.0, 10.0}};
+      if (timed) log.lost = {{whole.odometry[299].stamp, whole.odometry[300].stamp}};
+      const ValidationReport report = validated(log);
+      EXPECT_TRUE(brokenThresholds(report, {}).empty());
+      EXPECT_EQ(report.verdict(), Verdict::kDoubtful);
+      ASSERT_EQ(report.incomparable.size(), 1u);
+      EXPECT_EQ(report.incomparable[0].cause, Ignorance::kMissing);
+      EXPECT_EQ(report.incomparable[0].from, whole.odometry[299].stamp);
+      EXPECT_LT(report.incomparable[0].to, whole.odometry[700].stamp);
+      // What is wrong before the loss, or from the begin on, fails all the same.
+      log.commands[20].command.roll += 0.01;
+      EXPECT_EQ(brokenThresholds(validated(log), {}).size(), 1u);
+    }
   }
 }
 

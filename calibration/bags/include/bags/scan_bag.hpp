@@ -104,6 +104,10 @@ BagHealth scanBag(const std::string& path, const BagVisitor& visitor);
 BagHealth scanBagBytes(const std::uint8_t* data, std::size_t size, const std::string& name,
                        const BagVisitor& visitor);
 
+/// From the least to the greatest time of a message [s]. Unpacks chunks only where the bag's end is damaged. Throws Error
+/// as scanBag does.
+TimeSpan timesOf(const std::string& path);
+
 /// Time of a bag's first message as date and time of day (UTC, ISO 8601).
 std::string isoTime(double seconds_since_1970);
 

@@ -87,6 +87,8 @@ struct FlightLog {
   std::vector<std::string> remarks;
   /// How much of the recording was read, with the messages of the flight's topics. None if the log is no file.
   std::optional<RecordingShare> share;
+  /// The parts that are known to be lost: stamps of the odometry before and after each [s].
+  std::vector<TimeSpan> lost;
   /// What the stamps of odometry and commands are worth. Empty if the log is no file.
   std::vector<TopicClock> clocks;
   std::vector<VehicleState> odometry;

@@ -99,6 +99,9 @@ class TopicReader {
   /// Of the topics in use. Messages that do not fit their definition were not read.
   polyfly::RecordingShare share() const;
 
+  /// Receive times of the parts that are known to be lost [s].
+  std::vector<polyfly::TimeSpan> lost() const;
+
   /// Every irregularity of the file, as clauses without its name. Complete after `read`.
   std::vector<std::string> remarks() const;
 

@@ -270,9 +270,18 @@ class InFlightTest(MapsFixture):
             self.assertGreater(time, 0)
         name = controller.namespace + "/controller: control"
         said = diagnostics.wait(lambda m: any(
-            s.name.endswith(name[1:]) and any(v.key == "steps" and int(v.value) > 0 for v in s.values) for s in m.status))
+            s.name.endswith(name[1:]) and any(v.key == "commands swing" for v in s.values) for s in m.status))
         self.assertIsNotNone(said)
         values = {v.key: v.value for s in said.status for v in s.values}
+        self.assertGreater(int(values["steps"]), 0)
+        self.assertEqual(values["commands swing"], "False")
+        self.assertEqual(float(values["constant force not removed [N]"]), 0.0)
+        # What is estimated of the model's errors; nothing of it while the reference rests.
+        for loop in ("roll", "pitch"):
+            self.assertAlmostEqual(float(values[loop + " loop, gain"]), 0.9, delta=0.01)
+            self.assertAlmostEqual(float(values[loop + " loop, lag [s]"]), 0.25, delta=0.01)
+        for axis in ("x", "y"):
+            self.assertEqual(float(values["drag beyond the model along %s [1/s]" % axis]), 0.0)
         self.assertGreaterEqual(float(values["odometry to command, p99.9 [us]"]),
                                 float(values["odometry to command, median [us]"]))
 

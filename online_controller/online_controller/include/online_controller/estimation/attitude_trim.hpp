@@ -26,10 +26,15 @@ struct FollowedReference {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
 };
 
-/// Whether the vehicle flies what it follows: the tilt within 0.1 rad of the whole one, and the velocity within 0.5 m/s.
-/// Else the reference tells nothing of what the loops and the drag do.
-bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
-                const Eigen::Vector3d& velocity) noexcept;
+/// What the vehicle flies of it; empty where the reference tells nothing of what the loops and the drag do.
+struct FlownReference {
+  std::optional<FollowedTilt> tilt;
+  std::optional<Eigen::Vector3d> velocity;  ///< [m/s]
+};
+
+/// The vehicle flies what it follows while the tilt is within 0.1 rad of the whole one, and the velocity within 0.5 m/s.
+FlownReference flown(const FollowedReference& followed, const TiltAngles& tilt,
+                     const Eigen::Vector3d& velocity) noexcept;
 
 /// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about roll and
 /// pitch. A Kalman filter finds it from the measured attitude.

@@ -46,13 +46,14 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   return loop;
 }
 
-bool isFollowed(const FollowedReference& followed, const TiltAngles& tilt,
-                const Eigen::Vector3d& velocity) noexcept {
+FlownReference flown(const FollowedReference& followed, const TiltAngles& tilt,
+                     const Eigen::Vector3d& velocity) noexcept {
   constexpr double kTilt = 0.1;      // [rad]
   constexpr double kVelocity = 0.5;  // [m/s]
   const TiltAngles& whole = followed.whole_tilt;
-  return std::hypot(tilt.roll - whole.roll, tilt.pitch - whole.pitch) < kTilt &&
-         (velocity - followed.velocity).norm() < kVelocity;
+  const bool is_near = std::hypot(tilt.roll - whole.roll, tilt.pitch - whole.pitch) < kTilt &&
+                       (velocity - followed.velocity).norm() < kVelocity;
+  return is_near ? FlownReference{followed.tilt, followed.velocity} : FlownReference{};
 }
 
 AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& options)

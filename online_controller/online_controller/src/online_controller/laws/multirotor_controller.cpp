@@ -225,12 +225,13 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  const bool flown = isFollowed(followed_, measured.tilt, state.velocity);
+  const FlownReference is_flown = flown(followed_, measured.tilt, state.velocity);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const double velocity = followed_.velocity(static_cast<Eigen::Index>(i));
-    axes_[i].observe(measured.axes[i], applied_[i], periods, flown ? std::optional(velocity) : std::nullopt);
+    std::optional<double> velocity;
+    if (is_flown.velocity) velocity = (*is_flown.velocity)(static_cast<Eigen::Index>(i));
+    axes_[i].observe(measured.axes[i], applied_[i], periods, velocity);
   }
-  trim_.update(measured.tilt, report_.command, periods, flown ? std::optional(followed_.tilt) : std::nullopt);
+  trim_.update(measured.tilt, report_.command, periods, is_flown.tilt);
   followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();

@@ -155,11 +155,9 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  const bool flown = isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity);
-  observer_.update(state, report_.command.thrust / options_.mass, periods,
-                   flown ? std::optional(followed_.velocity) : std::nullopt);
-  trim_.update({angles.roll, angles.pitch}, report_.command, periods,
-               flown ? std::optional(followed_.tilt) : std::nullopt);
+  const FlownReference is_flown = flown(followed_, {angles.roll, angles.pitch}, state.velocity);
+  observer_.update(state, report_.command.thrust / options_.mass, periods, is_flown.velocity);
+  trim_.update({angles.roll, angles.pitch}, report_.command, periods, is_flown.tilt);
   followed_ = {};
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
