@@ -16,7 +16,8 @@ catkinMake() {
   # the tests' environment is written on the first configuration, and leaves out what does not exist by then
   mkdir -p "$folder/src" "$folder/devel/lib/python3/dist-packages"
   ln -sfn ../../../catkin_ws/src "$folder/src/polyfly"
-  catkin_make -C "$folder" --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
+  # GMock's configuration in Debian 11 serves one package of a workspace only.
+  catkin_make -C "$folder" --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_DISABLE_FIND_PACKAGE_GMock=ON \
     -DCMAKE_BUILD_TYPE=Release "-DPOLYFLY_WERROR=${POLYFLY_WERROR:-}" "-j$(jobs_at_once)" -l1000 "$@"
 }
 

@@ -1,6 +1,3 @@
-#include <nodelet/nodelet.h>
-
-#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "figure_player.hpp"
@@ -8,23 +5,21 @@
 #include "latency_probe.hpp"
 #include "plant_node.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_ros/node_shell.hpp"
 
 namespace polyfly_test {
 
-/// A nodelet that is nothing but the node it holds. A bad parameter ends the manager, as it ends the
-/// stand-alone node.
+/// A bad parameter ends the manager, as it ends the stand-alone node.
 template <class Node>
-class Shell : public nodelet::Nodelet {
+class Shell : public polyfly_ros::NodeShell<Node> {
   void onInit() override {
     try {
-      node_ = std::make_unique<Node>(getNodeHandle(), getPrivateNodeHandle());
+      polyfly_ros::NodeShell<Node>::onInit();
     } catch (const polyfly::Error& error) {
-      NODELET_FATAL_STREAM(error.what());
+      ROS_FATAL_STREAM(error.what());
       ros::requestShutdown();
     }
   }
-
-  std::unique_ptr<Node> node_;
 };
 
 class MultirotorPlant : public Shell<polyfly_ros::PlantNode> {};

@@ -1,25 +1,21 @@
-#include <nodelet/nodelet.h>
-
 #include <exception>
-#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "polyfly_ros/node_shell.hpp"
 #include "validation_ros/coverage_node.hpp"
 
 namespace polyfly_ros {
 
 /// Shell of CoverageNode.
-class CoverageNodelet : public nodelet::Nodelet {
+class CoverageNodelet : public NodeShell<CoverageNode> {
   void onInit() override {
     try {
-      node_ = std::make_unique<CoverageNode>(getNodeHandle(), getPrivateNodeHandle());
+      NodeShell::onInit();
     } catch (const std::exception& error) {
       NODELET_FATAL("coverage does not start: %s", error.what());
       throw;
     }
   }
-
-  std::unique_ptr<CoverageNode> node_;
 };
 
 }  // namespace polyfly_ros

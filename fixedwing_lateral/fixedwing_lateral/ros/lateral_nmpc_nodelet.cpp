@@ -1,19 +1,11 @@
-#include <nodelet/nodelet.h>
-
-#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fixedwing_lateral_ros/lateral_node.hpp"
+#include "polyfly_ros/node_shell.hpp"
 
 namespace fixedwing_lateral {
 
-class LateralNmpc : public nodelet::Nodelet {
-  void onInit() override {
-    node_ = std::make_unique<polyfly_ros::LateralNode>(getNodeHandle(), getPrivateNodeHandle());
-  }
-
-  std::unique_ptr<polyfly_ros::LateralNode> node_;
-};
+class LateralNmpc : public polyfly_ros::NodeShell<polyfly_ros::LateralNode> {};
 
 }  // namespace fixedwing_lateral
 

@@ -293,7 +293,8 @@ TEST_F(NonlinearMpcTest, OneStepIsThatOfTheWholeSystem) {
       ASSERT_TRUE(mpc.prepare(stages_.data()));
       const SparseProblem problem(options, stages_, references_);
       const Eigen::VectorXd expected = denseStep(problem, mpc, x);
-      ASSERT_LT(expected.cwiseAbs().reshaped(3, options.horizon).topRows(2).maxCoeff(), options.angle_max);
+      const Eigen::Map<const Eigen::MatrixXd> inputs(expected.data(), 3, options.horizon);
+      ASSERT_LT(inputs.topRows(2).cwiseAbs().maxCoeff(), options.angle_max);
       ASSERT_EQ(mpc.feedback(x, references_.data()), QpStatus::kOptimal);
       for (int k = 0; k < options.horizon; ++k) {
         EXPECT_LT((mpc.input(k) - expected.segment<3>(3 * k)).cwiseAbs().maxCoeff(), 2e-4)

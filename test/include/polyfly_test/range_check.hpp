@@ -10,7 +10,7 @@ namespace polyfly {
 struct VectorRangeCheck : RangeCheck {
   using RangeCheck::operator();
   void operator()(const char* key, const Eigen::Vector3d& value, const char* unit, const Range& range) const {
-    for (const double entry : value) (*this)(key, entry, unit, range);
+    for (Eigen::Index i = 0; i < value.size(); ++i) (*this)(key, value[i], unit, range);
   }
 };
 
