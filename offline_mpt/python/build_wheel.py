@@ -40,6 +40,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Hook of PEP 517."""
     build = ROOT / "build" / "pip"
     os.environ.setdefault("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
-    subprocess.run(["cmake", "-S", ROOT, "-B", build, "-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={sys.executable}"], check=True)
+    options = ["-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={sys.executable}"]
+    subprocess.run(["cmake", "-G", "Ninja", "-S", ROOT, "-B", build, *options], check=True)
     subprocess.run(["cmake", "--build", build, "--target", "polyfly_python"], check=True)
     return write_wheel(build, wheel_directory)
