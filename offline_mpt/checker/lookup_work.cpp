@@ -18,7 +18,7 @@ LookupWork leafWork(const LookupTables& code, const std::vector<LookupTables::Ca
   LookupWork work = {code.q, 0};
   for (const LookupTables::Candidate& candidate : leaf) {
     const std::uint64_t rows = candidate.rows.size();
-    work = sum(work, {rows, code.takes_first ? rows + 1 : 2 * rows + 4});
+    work = sum(work, {rows, code.takes_first ? rows + 1 : 2 * rows + 2});
   }
   return work;
 }

@@ -247,8 +247,8 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
   problem["b"] = {1.0, 1.0, 1.0};
   problem["B"] = {{0.5, 0.0}, {-0.5, 0.0}, {0.0, 0.0}};
   ASSERT_EQ(run({"solve", written("two.json", problem), "-o", path("two.map")}).exit_code, 0);
-  const Outcome small = run({"reduce", path("two.map"), "-o", path("small.map"), "--separate", "--stats",
-                             path("saved.json"), "--threads", "2", "--certificate", path("small.cert")});
+  const Outcome small = run({"reduce", path("two.map"), "-o", path("small.map"), "--stats", path("saved.json"),
+                             "--threads", "2", "--certificate", path("small.cert")});
   ASSERT_EQ(small.exit_code, 0) << small.out << small.err;
   EXPECT_NE(small.out.find("proven to answer as the original"), std::string::npos) << small.out;
   const nlohmann::json saved = nlohmann::json::parse(readBytes(path("saved.json")));
@@ -278,7 +278,12 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
   expectRefused({"verify", path("two.map"), "--reduced-from", path("two.map")}, {"was not reduced"});
   expectRefused({"verify", path("small.map"), "--exact"}, {"is a reduced map"});
   expectRefused({"reduce", path("small.map"), "-o", path("x.map")}, {"was reduced before"});
-  expectRefused({"reduce", path("two.map"), "-o", path("x.map"), "--merge", "best"}, {"--merge"});
+  // Removed options say what to use.
+  expectRefused({"reduce", path("two.map"), "-o", path("x.map"), "--merge", "greedy"},
+                {"--merge: was removed; ", "joined in pairs"});
+  expectRefused({"reduce", path("two.map"), "--separate", "-o", path("x.map")},
+                {"--separate: was removed; ", "small"});
+  EXPECT_FALSE(fs::exists(path("x.map")));
   expectRefused({"verify", path("small.map"), "--reduced-from", path("two.map"), "--samples", "5"},
                 {"--reduced-from"});
   expectRefused({"verify", path("two.map"), "--certificate", path("x.cert")}, {"--certificate"});

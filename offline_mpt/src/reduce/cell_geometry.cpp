@@ -137,12 +137,13 @@ bool CellGeometry::holds(const RowList& rows, const double* point, double slack)
                      [&](std::int32_t row) { return planes_.value(row, point) <= slack; });
 }
 
-RowList CellGeometry::minimal(const ConvexCell& piece, double tolerance) {
+RowList CellGeometry::minimal(const ConvexCell& piece) {
   work_.clear();
   for (const std::int32_t row : piece.rows) planes_.append(row, 0.0, work_);
   MinimalRows needed;
   const int count = static_cast<int>(piece.rows.size());
-  if (!solver_.minimal(work_.data(), count, piece.centre.data(), tolerance, needed)) return piece.rows;
+  if (!solver_.minimal(work_.data(), count, piece.centre.data(), tolerance::kNeededReach, needed))
+    return piece.rows;
   RowList result;
   for (const int i : needed.facets) result.push_back(piece.rows[static_cast<std::size_t>(i)]);
   return result;

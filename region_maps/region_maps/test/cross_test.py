@@ -39,7 +39,7 @@ class Cross(unittest.TestCase):
         problem = cls.folder / "partly.json"
         problem.write_text(json.dumps(PARTLY_INFEASIBLE), encoding="utf-8")
         run(tool, "solve", "--quiet", PROBLEMS / "multirotor_lateral.yaml", "-o", cls.maps[0])
-        run(tool, "reduce", "--quiet", cls.maps[0], "--separate", "-o", cls.maps[1])
+        run(tool, "reduce", "--quiet", cls.maps[0], "-o", cls.maps[1])
         run(tool, "solve", "--quiet", problem, "-o", cls.maps[2])
         program = cls.compile("native", "c++", [])
         cls.expected = [run(program, path, LOOKUPS) for path in cls.maps]
