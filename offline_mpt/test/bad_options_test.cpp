@@ -71,8 +71,8 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
 }
 
 TEST_F(BadOptions, UnknownWordsNameTheKnownOnes) {
-  expectLine(OFFLINE_MPT_PROGRAM, {"reduce", "a.map", "-o", "b.map", "--merge", "foo"},
-             "offline_mpt: --merge: foo is not one of auto, greedy, none, optimal");
+  expectLine(OFFLINE_MPT_PROGRAM, {"reduce", "a.map", "-o", "b.map", "--tree", "foo"},
+             "offline_mpt: --tree: foo is not one of auto, small");
 }
 
 TEST_F(BadOptions, EndlessFilesEndInALine) {
