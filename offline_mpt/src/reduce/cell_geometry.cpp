@@ -169,10 +169,11 @@ bool CellGeometry::coverCell(std::vector<double>& cell, std::vector<double> cent
     const std::size_t end = cell.size();
     planes_.append(-row, -slack, cell);
     centre = start;
-    if (ball(cell, centre.data()) > tolerance::kNoRest && !coverCell(cell, centre, cover, slack))
-      return false;
+    const bool cuts = ball(cell, centre.data()) > tolerance::kNoRest;
+    if (cuts && !coverCell(cell, centre, cover, slack)) return false;
     cell.resize(end);
-    planes_.append(row, slack, cell);
+    // A row that cuts nothing off would only lengthen the programs that follow.
+    if (cuts) planes_.append(row, slack, cell);
   }
   cell.resize(size);
   return true;
