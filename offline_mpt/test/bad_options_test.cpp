@@ -77,7 +77,6 @@ TEST_F(BadOptions, UnknownWordsNameTheKnownOnes) {
 
 TEST_F(BadOptions, EndlessFilesEndInALine) {
   expectLine(OFFLINE_MPT_PROGRAM, {"info", "/dev/zero"}, "offline_mpt: /dev/zero: ");
-  expectLine(OFFLINE_MPT_PROGRAM, {"set", "info", "/dev/zero"}, "offline_mpt: /dev/zero: ");
   expectLine(CHECK_CERTIFICATE, {"/dev/zero", "--map", "/dev/zero"}, "check_certificate: /dev/zero: ");
 }
 

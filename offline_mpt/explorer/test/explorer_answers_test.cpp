@@ -69,7 +69,7 @@ TEST_F(ExplorerAnswers, EqualEvalOfARobustMap) {
 
 TEST_F(ExplorerAnswers, EqualEvalOfAReducedMap) {
   const std::string reduced = folder_.file("reduced.map");
-  run("reduce " + solve(problemFile("multirotor_lateral.yaml")) + " --quiet -o " + reduced);
+  run("reduce " + solve(problemFile("multirotor_vertical.yaml")) + " --quiet -o " + reduced);
   expectAnswersOfEval(reduced);
 }
 
