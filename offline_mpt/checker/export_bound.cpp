@@ -124,8 +124,7 @@ void ExportProof::choices(const LookupTables& tables, const std::vector<Candidat
     if (!cell_.isEmpty()) visit(&candidate);
     cell_.shrink(before);
   }
-  if (visits_outside)
-    withoutHeld(tables, {leaf.data(), leaf.data() + leaf.size()}, [&] { visit(nullptr); });
+  if (visits_outside) withoutHeld(tables, {leaf.data(), leaf.data() + leaf.size()}, [&] { visit(nullptr); });
 }
 
 void ExportProof::look() {

@@ -41,8 +41,7 @@ Fraction slackOf(const std::string& text) {
 
 }  // namespace
 
-MapRows::MapRows(const Map& map, const Fraction& slack)
-    : map_(map), scaling_(map), slack_(slack) {}
+MapRows::MapRows(const Map& map, const Fraction& slack) : map_(map), scaling_(map), slack_(slack) {}
 
 const Row& MapRows::at(std::int32_t row, Moved moved, bool outside) const {
   const auto key = std::make_pair(row, 2 * static_cast<int>(moved) + (outside ? 1 : 0));

@@ -246,8 +246,8 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
   problem["b"] = {1.0, 1.0, 1.0};
   problem["B"] = {{0.5, 0.0}, {-0.5, 0.0}, {0.0, 0.0}};
   ASSERT_EQ(run({"solve", written("two.json", problem), "-o", path("two.map")}).exit_code, 0);
-  const Outcome small = run({"reduce", path("two.map"), "-o", path("small.map"), "--stats", path("saved.json"),
-                             "--threads", "2", "--certificate", path("small.cert")});
+  const Outcome small = run({"reduce", path("two.map"), "-o", path("small.map"), "--stats",
+                             path("saved.json"), "--threads", "2", "--certificate", path("small.cert")});
   ASSERT_EQ(small.exit_code, 0) << small.out << small.err;
   EXPECT_NE(small.out.find("proven to answer as the original"), std::string::npos) << small.out;
   const nlohmann::json saved = nlohmann::json::parse(readBytes(path("saved.json")));

@@ -360,9 +360,8 @@ TEST(Reduce, ReferenceProblems) {
   const std::filesystem::path folder = referenceProblems();
   if (folder.empty())
     GTEST_SKIP() << "The reference problems are not here: set POLYFLY_DATA to their folder.";
-  for (const Reference& reference :
-       {Reference{"multirotor_N10", 7}, Reference{"di_N10", 23}, Reference{"invpend_N5", 3},
-        Reference{"bemporad2002", 7}}) {
+  for (const Reference& reference : {Reference{"multirotor_N10", 7}, Reference{"di_N10", 23},
+                                     Reference{"invpend_N5", 3}, Reference{"bemporad2002", 7}}) {
     const ParametricProgram program =
         loadProgram((folder / (std::string(reference.name) + ".json")).string());
     const MapInMemory original(encode(program, explore(program)));

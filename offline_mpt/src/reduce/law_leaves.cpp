@@ -108,7 +108,8 @@ class LawJoiner final : public TreeRewriter<LawLeaf> {
 }  // namespace
 
 SearchTree joinByLaw(CellGeometry& geometry, const TreeRegions& regions,
-                     const std::vector<std::uint32_t>& laws, const RowList& box, double slack, const SearchTree& tree, std::vector<LawCell>& cells) {
+                     const std::vector<std::uint32_t>& laws, const RowList& box, double slack,
+                     const SearchTree& tree, std::vector<LawCell>& cells) {
   LawJoiner joiner(geometry, regions, laws, box, slack, tree);
   SearchTree joined = joiner.run();
   cells = joiner.takeCells();

@@ -19,6 +19,7 @@ struct LawCell {
 /// of `regions`. A subtree stays where its candidates have several laws, or do not cover its cell. `box` are the rows
 /// of the box's sides. The tree names its tests.
 SearchTree joinByLaw(CellGeometry& geometry, const TreeRegions& regions,
-                     const std::vector<std::uint32_t>& laws, const RowList& box, double slack, const SearchTree& tree, std::vector<LawCell>& cells);
+                     const std::vector<std::uint32_t>& laws, const RowList& box, double slack,
+                     const SearchTree& tree, std::vector<LawCell>& cells);
 
 }  // namespace polyfly

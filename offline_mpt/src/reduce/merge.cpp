@@ -61,7 +61,8 @@ class Envelopes {
     constexpr char kUnknown = 0, kYes = 1, kNo = 2;
     std::vector<char>& known = known_[piece];
     if (known.empty()) known.assign(rows_.size(), kUnknown);
-    if (known[row] == kUnknown) known[row] = geometry_.holdsOn(rows_[row], pieces_[piece], slack_) ? kYes : kNo;
+    if (known[row] == kUnknown)
+      known[row] = geometry_.holdsOn(rows_[row], pieces_[piece], slack_) ? kYes : kNo;
     return known[row] == kYes;
   }
 

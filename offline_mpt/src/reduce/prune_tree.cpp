@@ -105,7 +105,8 @@ class Pruner final : public TreeRewriter<LeafContent> {
 }  // namespace
 
 SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions,
-                     const std::vector<std::uint32_t>& laws, double slack, double side_tolerance, const SearchTree& tree) {
+                     const std::vector<std::uint32_t>& laws, double slack, double side_tolerance,
+                     const SearchTree& tree) {
   SearchTree pruned = Pruner(geometry, regions, laws, slack, side_tolerance, tree).run();
   pruned.worst = worstLookUp(pruned, regions);
   if (tree.tests.empty()) pruned.tests.clear();

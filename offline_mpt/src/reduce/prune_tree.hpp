@@ -13,6 +13,7 @@ namespace polyfly {
 /// with all candidates of the other, becomes one leaf where that makes no look-up longer. Equal leaves are written once.
 /// Where `tree` names no tests, the result names none either. `side_tolerance` is that of the tree.
 SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions,
-                     const std::vector<std::uint32_t>& laws, double slack, double side_tolerance, const SearchTree& tree);
+                     const std::vector<std::uint32_t>& laws, double slack, double side_tolerance,
+                     const SearchTree& tree);
 
 }  // namespace polyfly

@@ -82,7 +82,8 @@ class Reducer {
                                        groups_[i].merged = merge(*geometries[thread], groups_[i]);
                                      });
     if (!finished) throw ReductionStopped();
-    for (const LawGroup& group : groups_) stats_.merged_laws += group.merged.size() < group.regions.size() ? 1 : 0;
+    for (const LawGroup& group : groups_)
+      stats_.merged_laws += group.merged.size() < group.regions.size() ? 1 : 0;
   }
 
   std::vector<ConvexCell> merge(CellGeometry& geometry, const LawGroup& group) const {

@@ -100,7 +100,8 @@ std::vector<Rule> headerRules() {
       {"reserved", "reserved bytes of the header must be zero",
        inHeader([](Header& h) { h.reserved[3] = 1; })},
       {"fallback_regions",
-       "header: has fallback regions, which `reduce --separate` of version 0.2 wrote; reduce the original map "
+       "header: has fallback regions, which `reduce --separate` of version 0.2 wrote; reduce the original "
+       "map "
        "again",
        inHeader([](Header& h) { h.first_fallback = 3; })},
       {"cost_depth", "cost does not agree", inHeader([](Header& h) { ++h.depth; })},

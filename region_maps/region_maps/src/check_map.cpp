@@ -112,7 +112,8 @@ void MapValidator::checkHeader() const {
   }
   if (header_.first_fallback != 0) {
     fail(
-        "header: has fallback regions, which `reduce --separate` of version 0.2 wrote; reduce the original map "
+        "header: has fallback regions, which `reduce --separate` of version 0.2 wrote; reduce the original "
+        "map "
         "again");
   }
   checkZero(offsetof(Header, reserved), offsetof(Header, sections), "the reserved bytes of the header");

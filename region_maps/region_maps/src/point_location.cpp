@@ -166,9 +166,7 @@ struct PointLocation {
     return best.found;
   }
 
-  static LookupFunctions functions() noexcept {
-    return {locate, evaluate, locateExhaustively, contains};
-  }
+  static LookupFunctions functions() noexcept { return {locate, evaluate, locateExhaustively, contains}; }
 };
 
 }  // namespace

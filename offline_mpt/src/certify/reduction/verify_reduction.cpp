@@ -171,9 +171,7 @@ class ReductionProof {
     const RegionMap& map = reduced_.map();
     for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
       const RegionView region = map.region(r);
-      const auto holds = [&](std::int32_t row) {
-        return valueAt(reduced_.relaxed(row), cell.point) >= 0;
-      };
+      const auto holds = [&](std::int32_t row) { return valueAt(reduced_.relaxed(row), cell.point) >= 0; };
       if (laws_.same(region.law, law) && std::all_of(region.rows, region.rows + region.row_count, holds))
         result.push_back(r);
     }

@@ -15,7 +15,9 @@
 namespace polyfly {
 namespace {
 
-std::string file(const std::string& name) { return projectRoot() + "/region_maps/region_maps/export/test/" + name; }
+std::string file(const std::string& name) {
+  return projectRoot() + "/region_maps/region_maps/export/test/" + name;
+}
 
 MapContent content(std::uint32_t parameters = 3) {
   TreeRecipe recipe;
