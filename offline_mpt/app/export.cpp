@@ -29,8 +29,7 @@ proves. Where a bound cannot be proven, nothing is written. region_maps/region_m
 
 With --flash-limit, flash_bytes of NAME.json is at most the limit: tables and instructions, on the processor
 that needs more of these. The command takes the first of these that fits: the map in double and in float; the
-map reduced, and reduced with --separate (offline_mpt reduce), in double and in float. With --type, only that
-type. An error above 1 % of an input's range, or above what a safety filter's
+map reduced (offline_mpt reduce), in double and in float. With --type, only that type. An error above 1 % of an input's range, or above what a safety filter's
 proof allows, is taken only where no code that fits has a smaller one. The search tree is no choice: it is
 that of the map, or of its reduction. Of a reduced map it writes DIR/NAME.map too, for check_certificate. If
 nothing fits, it says how many bytes each would take.

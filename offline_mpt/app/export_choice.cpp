@@ -12,19 +12,9 @@
 namespace polyfly {
 namespace {
 
-enum class MapKind { kGiven, kReduced, kSeparated };
+enum class MapKind { kGiven, kReduced };
 
-const char* wordOf(MapKind kind) {
-  switch (kind) {
-    case MapKind::kGiven:
-      return "the map";
-    case MapKind::kReduced:
-      return "the reduced map";
-    case MapKind::kSeparated:
-      return "the separated map";
-  }
-  return "";
-}
+const char* wordOf(MapKind kind) { return kind == MapKind::kGiven ? "the map" : "the reduced map"; }
 
 /// Code that fits.
 struct Attempt {
@@ -51,7 +41,7 @@ double errorOf(const RegionMap& map, const ExportBound& bound) {
   return greatest;
 }
 
-/// Tries maps and types in turn. Each map is reduced once.
+/// Tries maps and types in turn.
 class ExportChoice {
  public:
   ExportChoice(const RegionMap& map, const std::string& reduced_name, const ExportRequest& request)
@@ -61,7 +51,7 @@ class ExportChoice {
     using Types = std::vector<ExportType>;
     const Types types =
         request_.chooses_type ? Types{ExportType::kDouble, ExportType::kFloat} : Types{request_.type};
-    for (const MapKind kind : {MapKind::kGiven, MapKind::kReduced, MapKind::kSeparated}) {
+    for (const MapKind kind : {MapKind::kGiven, MapKind::kReduced}) {
       for (const ExportType type : types) {
         std::optional<Attempt> fitting = attempt(kind, type);
         if (!fitting) continue;
@@ -78,10 +68,9 @@ class ExportChoice {
   std::optional<Attempt> attempt(MapKind kind, ExportType type) {
     const std::string what = std::string(wordOf(kind)) + " in " + toString(type);
     try {
-      if (kind != MapKind::kGiven && !reduceAs(kind)) return std::nullopt;
+      if (kind == MapKind::kReduced && !canReduce()) return std::nullopt;
       const std::optional<RegionMap> reduced =
-          kind == MapKind::kGiven ? std::nullopt
-                                  : std::optional<RegionMap>(imageOf(kind)->view(reduced_name_));
+          kind == MapKind::kGiven ? std::nullopt : std::optional<RegionMap>(image_->view(reduced_name_));
       const RegionMap& map = reduced ? *reduced : map_;
       ExportOptions options;
       options.name = request_.name;
@@ -106,20 +95,17 @@ class ExportChoice {
   }
 
   ChosenExport chosen(Attempt&& attempt) {
-    return {std::move(attempt.proven), std::move(imageOf(attempt.kind)), std::move(attempt.summary)};
+    if (attempt.kind == MapKind::kGiven) image_.reset();
+    return {std::move(attempt.proven), std::move(image_), std::move(attempt.summary)};
   }
 
   void note(const std::string& need) { needs_ += (needs_.empty() ? "" : ", ") + need; }
 
-  std::unique_ptr<MapImage>& imageOf(MapKind kind) { return images_[static_cast<std::size_t>(kind)]; }
-
-  /// False where the map cannot be reduced so, which is noted once.
-  bool reduceAs(MapKind kind) {
-    const auto place = static_cast<std::size_t>(kind);
-    if (imageOf(kind) || is_refused_[place]) return !is_refused_[place];
-    is_refused_[place] = true;
+  /// Reduces the map once. False where it cannot be reduced, which is noted once.
+  bool canReduce() {
+    if (image_ || is_refused_) return !is_refused_;
+    is_refused_ = true;
     ReduceOptions reduce;
-    reduce.separate = kind == MapKind::kSeparated;
     reduce.threads = defaultThreads();
     reduce.progress = [this](std::uint64_t done, std::uint64_t total) {
       request_.progress("joined regions of " + std::to_string(done) + " of " + std::to_string(total) +
@@ -129,16 +115,17 @@ class ExportChoice {
     proof.threads = reduce.threads;
     ProvenReduction proven = reduceProven(map_, reduced_name_, reduce, proof);
     if (!proven.report.passed()) throw Error("its reduction could not be proven");
-    imageOf(kind) = std::make_unique<MapImage>(std::move(proven.image));
-    is_refused_[place] = false;
+    image_ = std::make_unique<MapImage>(std::move(proven.image));
+    is_refused_ = false;
     return true;
   }
 
   const RegionMap& map_;
   const std::string& reduced_name_;
   const ExportRequest& request_;
-  std::unique_ptr<MapImage> images_[3];
-  bool is_refused_[3] = {};
+  /// The reduced map.
+  std::unique_ptr<MapImage> image_;
+  bool is_refused_ = false;
   /// Of what fits, the one with the least error.
   std::optional<Attempt> best_;
   std::string needs_;

@@ -66,7 +66,6 @@ void printJson(const RegionMap& map) {
   json["regions"] = map.regionCount();
   json["laws"] = map.lawCount();
   json["planes"] = map.planeCount();
-  json["fallback_regions"] = map.regionCount() - map.firstFallback();
   json["reduced_from"] = checksumText(map.reducedFrom());
   json["checksum"] = checksumText(map.checksum());
   json["nodes"] = map.nodeCount();
@@ -115,8 +114,7 @@ void printText(const RegionMap& map) {
   std::printf("format      version %u\n", map.formatVersion());
   std::printf("bytes       %zu\nchecksum    %s\n", map.bytes(), checksumText(map.checksum()).c_str());
   if (map.reducedFrom() != 0) {
-    std::printf("reduced     from the map with checksum %s; %zu fallback regions\n",
-                checksumText(map.reducedFrom()).c_str(), map.regionCount() - map.firstFallback());
+    std::printf("reduced     from the map with checksum %s\n", checksumText(map.reducedFrom()).c_str());
   }
   std::printf("worst case  depth %u, %u half-spaces at a leaf, %llu multiply-adds\n", map.cost().depth,
               map.cost().region_checks, static_cast<unsigned long long>(map.cost().multiply_adds));

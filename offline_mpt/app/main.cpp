@@ -1,33 +1,44 @@
 
 #include "command.hpp"
 #include "mpi_group.hpp"
+#include "offline_mpt/reduce.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 
 namespace {
 
-/// Commands that are gone, and what to use in their place.
-struct RemovedCommands {
-  std::vector<const char*> names;
-  const char* instead;
+/// Commands and options that are gone, and what is said of them.
+struct Removed {
+  std::vector<std::string> names;
+  std::string text;
 };
 
-/// Removed commands are not listed. They take any arguments, and are refused.
-void addRemoved(CLI::App& app, const RemovedCommands& removed) {
-  for (const std::string name : removed.names) {
+/// What was removed is not listed. It takes any arguments, and is refused.
+void addRemoved(CLI::App& app, const Removed& removed) {
+  for (const std::string& name : removed.names) {
+    const auto refuse = [text = name + ": " + removed.text] { throw polyfly::Error(text); };
+    if (name.rfind("--", 0) == 0) {
+      app.add_option_function<std::string>(name, [refuse](const std::string&) { refuse(); })
+          ->expected(0, 1)
+          ->group("");
+      continue;
+    }
     CLI::App* command = app.add_subcommand(name, "")->group("");
     command->allow_extras()->prefix_command();
-    const std::string text = name + ": was removed; " + removed.instead;
-    command->callback([text] { throw polyfly::Error(text); });
+    command->callback(refuse);
   }
 }
 
 void addRemoved(CLI::App& app) {
   addRemoved(app, {{"count"},
-                   "'solve --region-limit N' ends with exit code 3 where there are more than N regions"});
+                   "was removed; 'solve --region-limit N' ends with exit code 3 where there are more than N "
+                   "regions"});
   addRemoved(*app.get_subcommand("set"),
              {{"check", "contains", "equal", "image", "info", "intersect", "minimal", "minkowski",
                "pontryagin", "preimage", "project", "subset", "support", "vertices", "volume"},
-              "'set invariant' stays, and polytope_sets/exact_polytope.hpp computes with polytopes in C++"});
+              "was removed; 'set invariant' stays, and polytope_sets/exact_polytope.hpp computes with "
+              "polytopes in C++"});
+  addRemoved(*app.get_subcommand("reduce"), {{"--merge"}, polyfly::kNoMerge});
+  addRemoved(*app.get_subcommand("reduce"), {{"--separate"}, polyfly::kNoSeparate});
 }
 
 const char kMainFooter[] =
@@ -35,7 +46,7 @@ const char kMainFooter[] =
   offline_mpt solve multirotor_lateral.yaml -o lateral.map
   offline_mpt info lateral.map
   offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1
-  offline_mpt reduce lateral.map -o small.map --separate
+  offline_mpt reduce lateral.map -o small.map
   offline_mpt diff lateral.map small.map
   offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg
   offline_mpt explore lateral.map -o lateral.html

@@ -16,16 +16,7 @@ namespace polyfly {
 namespace {
 
 const char kReduceFooter[] =
-    R"(Regions with the same law are joined where their union is convex:
-
-  --merge optimal  Finds the fewest regions. Beyond 64 planes or 10,000 cells, it joins pairs.
-  --merge auto     The same, with limits of 24 planes and 1,000 cells.
-  --merge greedy   Joins pairs.
-  --merge none     Joins nothing.
-
---separate is for maps with one input. Few fallback regions replace the regions where the input is
-constant at its bound. A look-up tests fallback regions last (region_maps/FORMAT.md). Inputs are not
-clipped.
+    R"(Pairs of regions with the same law are joined where their union is convex.
 
 Before it writes the new map, the command proves that it answers as MAP does, like `verify
 --reduced-from`. So a proof of MAP holds for the new map too. If the proof fails, nothing is written (exit
@@ -34,7 +25,7 @@ code 1).
 Examples:
   offline_mpt reduce lateral.map -o small.map --stats saved.json --certificate small.cert
   check_certificate small.cert --map small.map --reduced-from lateral.map
-  offline_mpt reduce lateral.map -o small.map --merge optimal --separate
+  offline_mpt reduce lateral.map -o small.map --tree small
   offline_mpt verify small.map --reduced-from lateral.map)";
 
 struct ReduceArguments {
@@ -111,16 +102,6 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
   command->footer(kReduceFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_option("-o,--output", options->output, "Map file to write.")->required();
-  const std::map<std::string, MergeMethod> methods = {{"none", MergeMethod::kNone},
-                                                      {"greedy", MergeMethod::kGreedy},
-                                                      {"optimal", MergeMethod::kOptimal},
-                                                      {"auto", MergeMethod::kAuto}};
-  command
-      ->add_option("--merge", options->reduce.merge,
-                   "Method that joins regions with the same law (default: auto).")
-      ->transform(oneOf(methods));
-  command->add_flag("--separate", options->reduce.separate,
-                    "Replace saturated regions by few fallback regions.");
   const std::map<std::string, TreeMode> trees = {{"auto", TreeMode::kAuto}, {"small", TreeMode::kSmall}};
   command
       ->add_option("--tree", options->reduce.tree,

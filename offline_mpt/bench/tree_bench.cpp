@@ -43,20 +43,18 @@ std::size_t tableBytes(const LawTree& tree, const RegionMap& map) {
 }
 
 /// What a look-up in the reduced map takes, and its tables.
-void addReduced(const RegionMap& map, bool separate, Json& result) {
+void addReduced(const RegionMap& map, Json& result) {
   ReduceOptions options;
-  options.separate = separate;
   options.tree = TreeMode::kSmall;
   const ProvenReduction reduced = reduceProven(map, "reduced", options, {});
-  const std::string name = separate ? "separated_" : "reduced_";
-  result[name + "proven"] = reduced.report.passed();
+  result["reduced_proven"] = reduced.report.passed();
   if (!reduced.report.passed()) return;
   const RegionMap& view = reduced.image.view("reduced");
-  result[name + "regions"] = view.regionCount();
-  result[name + "nodes"] = view.nodeCount();
-  result[name + "depth"] = view.cost().depth;
-  result[name + "multiply_adds"] = view.cost().multiply_adds;
-  result[name + "table_bytes"] = tableBytes(view);
+  result["reduced_regions"] = view.regionCount();
+  result["reduced_nodes"] = view.nodeCount();
+  result["reduced_depth"] = view.cost().depth;
+  result["reduced_multiply_adds"] = view.cost().multiply_adds;
+  result["reduced_table_bytes"] = tableBytes(view);
 }
 
 /// Of random parameters, the share that a region holds, and the number of those that the tree answers otherwise.
@@ -103,8 +101,7 @@ Json compareTrees(const TreeArguments& arguments) {
   result["law_tree_multiply_adds"] = map.parameters().size() * (tree.depth + map.inputs().size());
   result["law_tree_table_bytes"] = tableBytes(tree, map);
   addSamples(map, tree, result);
-  addReduced(map, false, result);
-  if (map.inputs().size() == 1 && partition.status == ExploreStatus::kComplete) addReduced(map, true, result);
+  addReduced(map, result);
   return result;
 }
 

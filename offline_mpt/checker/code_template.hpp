@@ -68,10 +68,8 @@ inline constexpr char kSourceText[] = R"code(
 #define INPUT_COUNT @q@u
 #define REGION_COUNT $REGION_COUNT
 #define ROOT $ROOT
-#define FIRST_FALLBACK $FIRST_FALLBACK
 @node_count@
 static const @real@ @n@_tolerance = $tolerance;
-@handicap@
 static const @real@ @n@_box[@p@][2] @N@_TABLE = $box;
 static const @real@ @n@_plane[$plane_rows][@p1@] @N@_TABLE = $plane;
 static const @real@ @n@_law[$law_rows][@p1@] @N@_TABLE = $law;
@@ -164,22 +162,13 @@ static @result@ @n@_@tests@(const @real@ theta[@p@], @index@ candidate) {
 
 inline constexpr char kLeastSearchText[] = R"code(
 const @index@ number = @N@_U@candidate_region@(@n@_candidate_region[i]);
-@offer@
+const double violation = @n@_violation(theta, i);
 if (violation < least) {
   least = violation;
   *region = (uint32_t)number;
   status = @N@_OK;
 }
 if (least <= @zero@) { break; }
-)code";
-
-inline constexpr char kOfferText[] = "const double violation = @n@_violation(theta, i);";
-
-inline constexpr char kFallbackOfferText[] = R"code(
-double violation = @n@_violation(theta, i);
-if (number >= FIRST_FALLBACK) {
-  violation = ((violation > 0.0) ? violation : 0.0) + @n@_handicap;
-}
 )code";
 
 inline constexpr char kFirstSearchText[] = R"code(

@@ -32,25 +32,14 @@ ExportProof::ExportProof(const Map& map, const LookupTables& code, const ProofWa
 }
 
 ExportedAnswers ExportProof::run() {
-  requireOrder(map_);
-  requireOrder(code_);
   compareBoxes();
   // Half-spaces of both that are nearly but not quite parallel would make bases that are nearly singular.
   code_ = withPlanesOf(map_, std::move(code_), kInfinity);
   descend(code_.root(), map_.root());
-  addJumps();
   const Box code_box = widened(code_);
   cell_ = Cell(code_box);
   visitCandidates(code_, code_.root(), [this](const Candidate& candidate) { boundRows(candidate); });
   return answers_;
-}
-
-/// The choice of a candidate is proven for leaves that have fallback regions last.
-void ExportProof::requireOrder(const LookupTables& tables) const {
-  const auto is_ordinary = [](const Candidate& candidate) { return !candidate.is_fallback; };
-  for (const std::vector<Candidate>& leaf : tables.leaves)
-    require(std::is_partitioned(leaf.begin(), leaf.end(), is_ordinary),
-            "a leaf has fallback regions before others");
 }
 
 void ExportProof::compareBoxes() const {
@@ -100,33 +89,28 @@ void ExportProof::descend(std::uint32_t code_child, std::uint32_t map_child) {
   }
 }
 
-/// Visits the parts of the cell in which each of the candidates violates a row, which is none of `shared`, by more than
-/// `limit` as computed.
-void ExportProof::withoutHeld(const LookupTables& tables, const Candidates& candidates, double limit,
-                              const std::vector<std::uint32_t>& shared, const std::function<void()>& visit) {
+/// Visits the parts of the cell in which each of the candidates violates a row by more than the tolerance as computed.
+void ExportProof::withoutHeld(const LookupTables& tables, const Candidates& candidates,
+                              const std::function<void()>& visit) {
   if (candidates.first == candidates.end) {
     visit();
     return;
   }
   const std::size_t size = cell_.size();
   const Candidates others = {candidates.first + 1, candidates.end};
-  std::vector<std::uint32_t> rows = candidates.first->rows;
-  const auto is_shared = [&shared](std::uint32_t row) {
-    return std::find(shared.begin(), shared.end(), row) != shared.end();
-  };
-  rows.erase(std::remove_if(rows.begin(), rows.end(), is_shared), rows.end());
+  const std::vector<std::uint32_t>& rows = candidates.first->rows;
   // A candidate that holds nowhere in the cell cuts nothing off. Its rows would cut the cell into ever more parts. To leave
   // a cut out is safe: more is visited.
-  for (const std::uint32_t row : rows) addRow(tables, row, limit);
+  for (const std::uint32_t row : rows) addRow(tables, row, tables.tolerance);
   const bool holds_nowhere = cell_.isEmpty();
   cell_.shrink(size);
-  if (holds_nowhere) return withoutHeld(tables, others, limit, shared, visit);
+  if (holds_nowhere) return withoutHeld(tables, others, visit);
   for (const std::uint32_t row : rows) {
-    addOutsideRow(tables, row, limit);
-    if (!cell_.isEmpty()) withoutHeld(tables, others, limit, shared, visit);
+    addOutsideRow(tables, row, tables.tolerance);
+    if (!cell_.isEmpty()) withoutHeld(tables, others, visit);
     cell_.shrink(size);
     // The other parts hold this row.
-    addRow(tables, row, limit);
+    addRow(tables, row, tables.tolerance);
   }
   cell_.shrink(size);
 }
@@ -134,23 +118,13 @@ void ExportProof::withoutHeld(const LookupTables& tables, const Candidates& cand
 /// Visits the candidates of a leaf that a look-up may choose, with the part of the cell in which it may.
 void ExportProof::choices(const LookupTables& tables, const std::vector<Candidate>& leaf, bool visits_outside,
                           const Visit& visit) {
-  const auto within = [&](const Candidate& candidate) {
+  for (const Candidate& candidate : leaf) {
     const std::size_t before = cell_.size();
     for (const std::uint32_t row : candidate.rows) addRow(tables, row, tables.tolerance);
     if (!cell_.isEmpty()) visit(&candidate);
     cell_.shrink(before);
-  };
-  const Candidate* const begin = leaf.data();
-  const Candidate* const end = begin + leaf.size();
-  const Candidate* const fallback =
-      std::find_if(begin, end, [](const Candidate& candidate) { return candidate.is_fallback; });
-  for (const Candidate* candidate = begin; candidate != fallback; ++candidate) within(*candidate);
-  // Each ordinary one violates a row by more than this, and by more than the fallback region violates any of its rows.
-  // That is no row of both. Where the least violation counts, the fallback region's one has its handicap.
-  const double limit = tables.takes_first ? tables.tolerance : std::min(tables.handicap, tables.tolerance);
-  for (const Candidate* candidate = fallback; candidate != end; ++candidate)
-    withoutHeld(tables, {begin, fallback}, limit, candidate->rows, [&] { within(*candidate); });
-  if (visits_outside) withoutHeld(tables, {begin, end}, tables.tolerance, {}, [&] { visit(nullptr); });
+  }
+  if (visits_outside) withoutHeld(tables, {leaf.data(), leaf.data() + leaf.size()}, [&] { visit(nullptr); });
 }
 
 void ExportProof::look() {
@@ -161,40 +135,21 @@ void ExportProof::look() {
 void ExportProof::compare(std::uint32_t code_leaf, std::uint32_t map_leaf) {
   look();
   ++pairs_;
-  const std::vector<Candidate>& offered = code_.leaves[code_leaf];
   choices(map_, map_.leaves[map_leaf], false, [&](const Candidate* map_choice) {
-    const bool is_offered = std::any_of(offered.begin(), offered.end(), [map_choice](const Candidate& other) {
-      return other.region == map_choice->region;
-    });
-    choices(code_, offered, true, [&](const Candidate* code_choice) {
-      const LeafRegion place(code_leaf, map_choice->region);
+    choices(code_, code_.leaves[code_leaf], true, [&](const Candidate* code_choice) {
       if (code_choice == nullptr) {
-        answers_.missing.insert(place);
-      } else if (code_choice->is_fallback && !map_choice->is_fallback && !is_offered) {
-        boundLaws(*code_choice, *map_choice,
-                  jumps_.try_emplace(place, std::vector<double>(map_.q, 0.0)).first->second);
+        answers_.missing.emplace(code_leaf, map_choice->region);
       } else {
-        boundLaws(*code_choice, *map_choice, answers_.error);
+        boundLaws(*code_choice, *map_choice);
       }
     });
   });
 }
 
-/// Fallback regions reach under ordinary regions, with laws that differ by any amount there. So a leaf that rounding
-/// may lead to should hold the ordinary region too.
-void ExportProof::addJumps() {
-  const std::vector<double> others = answers_.error;
-  for (const auto& [place, errors] : jumps_) {
-    for (std::size_t j = 0; j < errors.size(); ++j) {
-      if (errors[j] > others[j]) answers_.jumps.insert(place);
-      answers_.error[j] = std::max(answers_.error[j], errors[j]);
-    }
-  }
-}
-
-/// Raises `error` to the greatest difference of two laws in the cell.
-void ExportProof::boundLaws(const Candidate& code, const Candidate& map, std::vector<double>& error) {
+/// Raises the error to the greatest difference of two laws in the cell.
+void ExportProof::boundLaws(const Candidate& code, const Candidate& map) {
   const std::size_t p = map_.p;
+  std::vector<double>& error = answers_.error;
   std::vector<double> difference(p);
   for (std::size_t j = 0; j < map_.q; ++j) {
     const std::size_t code_row = std::size_t{code.law} * map_.q + j,
@@ -211,7 +166,7 @@ void ExportProof::boundLaws(const Candidate& code, const Candidate& map, std::ve
     own *= 4.0 * std::numeric_limits<double>::epsilon();
     const double rounding = code_.law_error[code_row] + map_.law_error[map_row] + own;
     // Less than what is stated already, all over the box.
-    if ((anywhere + rounding) * (1.0 + 1e-9) <= std::max(error[j], answers_.error[j])) continue;
+    if ((anywhere + rounding) * (1.0 + 1e-9) <= error[j]) continue;
     for (const double sign : {1.0, -1.0}) {
       for (std::size_t i = 0; i < p; ++i) difference[i] = sign * (a[i] - b[i]);
       const double bound = cell_.upperBound(difference, sign * (a[p] - b[p]));
@@ -266,12 +221,11 @@ void requireSameTables(const Map& map, const LookupTables& exported) {
           "the code's box is not the map's");
   require(code.laws == same.laws && code.q == same.q, "the code's laws are not the map's");
   require(code.tolerance == same.tolerance, "the code's tolerance is not the map's");
-  require(map.first_fallback == 0 || code.handicap == same.handicap, "the code's handicap is not the map's");
   require(code.node_plane == same.node_plane && code.children == same.children && code.root() == same.root(),
           "the code's search tree is not the map's");
   require(code.leaves.size() == same.leaves.size(), "the code's leaves are not the map's");
   const auto equal = [](const LookupTables::Candidate& a, const LookupTables::Candidate& b) {
-    return a.region == b.region && a.law == b.law && a.is_fallback == b.is_fallback && a.rows == b.rows;
+    return a.region == b.region && a.law == b.law && a.rows == b.rows;
   };
   for (std::size_t i = 0; i < code.leaves.size(); ++i) {
     require(std::equal(code.leaves[i].begin(), code.leaves[i].end(), same.leaves[i].begin(),
@@ -283,7 +237,7 @@ void requireSameTables(const Map& map, const LookupTables& exported) {
 ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code, const ProofWatch& watch) {
   if (code.type != CodeType::kDouble) return ExportProof(map, code.tables, watch).run();
   requireSameTables(map, code.tables);
-  return {std::vector<double>(map.q, 0.0), {}, {}, map.tolerance};
+  return {std::vector<double>(map.q, 0.0), {}, map.tolerance};
 }
 
 }  // namespace checker

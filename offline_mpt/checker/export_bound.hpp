@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -24,9 +23,6 @@ struct ExportedAnswers {
   /// Leaves of the code, each with a region of the map: where they arrive there, the code may have no answer.
   /// `error` does not count these parameters.
   std::set<LeafRegion> missing;
-  /// Leaves of the code, each with an ordinary region of the map: where they arrive there, a fallback region may answer
-  /// instead, and with an error beyond that of all other places. `error` counts these parameters.
-  std::set<LeafRegion> jumps;
   /// Where the code has an answer, theta violates no half-space of the region by more than this. [scaled]
   double margin = 0.0;
 };
@@ -59,18 +55,16 @@ class ExportProof {
   using Visit = std::function<void(const Candidate* chosen)>;
 
   void look();
-  void requireOrder(const LookupTables& tables) const;
   void compareBoxes() const;
   void descend(std::uint32_t code_child, std::uint32_t map_child);
   void compare(std::uint32_t code_leaf, std::uint32_t map_leaf);
   void choices(const LookupTables& tables, const std::vector<Candidate>& leaf, bool visits_outside,
                const Visit& visit);
-  void withoutHeld(const LookupTables& tables, const Candidates& candidates, double limit,
-                   const std::vector<std::uint32_t>& shared, const std::function<void()>& visit);
+  void withoutHeld(const LookupTables& tables, const Candidates& candidates,
+                   const std::function<void()>& visit);
   void addRow(const LookupTables& tables, std::uint32_t row, double limit);
   void addOutsideRow(const LookupTables& tables, std::uint32_t row, double limit);
-  void boundLaws(const Candidate& code, const Candidate& map, std::vector<double>& error);
-  void addJumps();
+  void boundLaws(const Candidate& code, const Candidate& map);
   void visitCandidates(const LookupTables& tables, std::uint32_t child,
                        const std::function<void(const Candidate&)>& visit);
   void boundRows(const Candidate& candidate);
@@ -82,8 +76,6 @@ class ExportProof {
   LookupTables code_;
   Cell cell_;
   ExportedAnswers answers_;
-  /// Errors where a fallback region answers instead of a region that the leaf lacks.
-  std::map<LeafRegion, std::vector<double>> jumps_;
 };
 
 /// Code of doubles has the tables of its map, number for number, and so the same answers. Planes that no look-up reads

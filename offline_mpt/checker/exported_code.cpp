@@ -88,7 +88,6 @@ class CodeText {
   bool has(const std::string& table) const {
     return text_.find(" " + name_ + "_" + table + "[") != std::string::npos;
   }
-  bool hasHandicap() const { return text_.find(" " + name_ + "_handicap = ") != std::string::npos; }
 
   /// All numbers of a table with rows of `width`.
   std::vector<double> reals(const std::string& table, std::size_t width) const {
@@ -159,7 +158,6 @@ class CodeText {
         {"digits", is_double ? "53" : "24"},
         {"index", indexType()},
         {"node_count", has_nodes ? "\n#define NODE_COUNT $NODE_COUNT\n" : ""},
-        {"handicap", hasHandicap() ? "static const double @n@_handicap = $handicap;" : ""},
         {"tree", has_nodes ? kTreeText : ""},
         {"descent", has_nodes ? kDescentText : ""},
         {"distance", p_ > kMostByHalves ? kDistanceLoopText : "return " + sumText(0, p_ + 1, p_) + ";"},
@@ -171,8 +169,7 @@ class CodeText {
         {"held", is_double ? "if (violation > greatest) { greatest = violation; }" : ""},
         {"finish", is_double ? "return greatest;" : "return holds;"},
         {"least", is_double ? "double least = " + most + ";" : ""},
-        {"search", is_double ? kLeastSearchText : kFirstSearchText},
-        {"offer", hasHandicap() ? kFallbackOfferText : kOfferText}};
+        {"search", is_double ? kLeastSearchText : kFirstSearchText}};
     for (const char* const table : {"node_plane", "node_child", "leaf_first", "candidate_region",
                                     "candidate_first", "row", "region_law"}) {
       const bool is_there = has_nodes || std::string(table).compare(0, 4, "node") != 0;
@@ -223,7 +220,6 @@ void readLeaves(const CodeText& code, LookupTables& tables) {
                                    region = code.indices("candidate_region"),
                                    first = code.indices("candidate_first"), rows = code.indices("row"),
                                    law = code.indices("region_law");
-  const std::uint32_t first_fallback = code.macro("FIRST_FALLBACK");
   require(!leaf_first.empty() && !first.empty(), "the code has no leaves");
   require(law.size() == code.macro("REGION_COUNT"), "the code has another number of regions than it says");
   for (std::size_t i = 0; i + 1 < leaf_first.size(); ++i) {
@@ -237,7 +233,6 @@ void readLeaves(const CodeText& code, LookupTables& tables) {
       LookupTables::Candidate candidate;
       candidate.region = region[c];
       candidate.law = law[region[c]];
-      candidate.is_fallback = region[c] >= first_fallback;
       candidate.rows.assign(rows.begin() + first[c], rows.begin() + first[c + 1]);
       tables.leaves.back().push_back(candidate);
     }
@@ -285,10 +280,6 @@ ExportedCode readCode(const std::string& text) {
   readTree(code, tables);
   readLeaves(code, tables);
   tables.takes_first = result.type != CodeType::kDouble;
-  const bool has_fallback = code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
-  require(tables.takes_first || has_fallback == code.hasHandicap(),
-          "the code has a handicap without use, or lacks it");
-  tables.handicap = code.hasHandicap() ? code.scalar("handicap") : 0.0;
   checkIndices(tables);
   boundRounding(tables, result.type == CodeType::kFloat ? kFloats : kDoubles);
   return result;

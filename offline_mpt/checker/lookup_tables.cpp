@@ -49,7 +49,6 @@ LookupTables::Candidate candidateOf(const Map& map, std::size_t number) {
   candidate.region = map.candidates[number];
   const Map::Region& region = map.regions[candidate.region];
   candidate.law = region.law;
-  candidate.is_fallback = map.first_fallback != 0 && candidate.region >= map.first_fallback;
   for (std::uint32_t i = 0; i < region.row_count; ++i) {
     const std::int32_t row = map.rows[region.first_row + i];
     if (isTested(map, number, i))
@@ -120,8 +119,6 @@ void boundRounding(LookupTables& tables, const Arithmetic& arithmetic) {
 }
 
 LookupTables lookupOf(const Map& map) {
-  // Of the handicap of fallback regions, see region_maps/FORMAT.md.
-  constexpr double kHandicap = 1.0 / 128.0;
   LookupTables tables;
   tables.p = map.p;
   tables.q = map.q;
@@ -134,7 +131,6 @@ LookupTables lookupOf(const Map& map) {
   tables.planes = map.planes;
   tables.laws = map.laws;
   tables.tolerance = map.tolerance;
-  tables.handicap = kHandicap * map.tolerance;
   for (const Map::Node& node : map.nodes) {
     tables.node_plane.push_back(node.plane);
     tables.children.push_back({childOf(map, node.below), childOf(map, node.above)});

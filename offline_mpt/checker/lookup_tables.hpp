@@ -15,7 +15,6 @@ namespace checker {
 struct LookupTables {
   struct Candidate {
     std::uint32_t region = 0, law = 0;
-    bool is_fallback = false;
     /// Twice the plane's number, plus one where both sides are negated.
     std::vector<std::uint32_t> rows;
   };
@@ -30,8 +29,7 @@ struct LookupTables {
   /// Whether the first candidate of a leaf whose rows hold within the tolerance is taken. Otherwise it is the one whose
   /// greatest violation is least, and the search ends at one without a violation.
   bool takes_first = false;
-  /// The handicap is added to the violation of a fallback region, where the least counts.
-  double tolerance = 0.0, handicap = 0.0;
+  double tolerance = 0.0;
   /// Node 0 is the root; without nodes it is leaf `root_leaf`. Children from the number of nodes on are leaves.
   std::vector<std::uint32_t> node_plane;
   std::vector<std::array<std::uint32_t, 2>> children;

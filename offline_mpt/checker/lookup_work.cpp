@@ -18,7 +18,7 @@ LookupWork leafWork(const LookupTables& code, const std::vector<LookupTables::Ca
   LookupWork work = {code.q, 0};
   for (const LookupTables::Candidate& candidate : leaf) {
     const std::uint64_t rows = candidate.rows.size();
-    work = sum(work, {rows, code.takes_first ? rows + 1 : 2 * rows + 4});
+    work = sum(work, {rows, code.takes_first ? rows + 1 : 2 * rows + 2});
   }
   return work;
 }
@@ -28,8 +28,7 @@ LookupWork leafWork(const LookupTables& code, const std::vector<LookupTables::Ca
 LookupWork greatestWork(const LookupTables& code) {
   const std::size_t nodes = code.node_plane.size();
   std::vector<LookupWork> below(nodes);
-  for (const std::vector<LookupTables::Candidate>& leaf : code.leaves)
-    below.push_back(leafWork(code, leaf));
+  for (const std::vector<LookupTables::Candidate>& leaf : code.leaves) below.push_back(leafWork(code, leaf));
   // A child comes after its parents.
   for (std::size_t i = nodes; i-- > 0;)
     below[i] = sum({1, 1}, greater(below[code.children[i][0]], below[code.children[i][1]]));

@@ -11,7 +11,7 @@ struct LookupWork {
   /// Sums of p products: the half-spaces of nodes, those of the rows that candidates test, and the rows of the law.
   std::uint64_t sums = 0;
   /// Two for each parameter, one for each node, one for each row and candidate. Where the candidate with the least
-  /// violation is taken, two for each row and four for each candidate.
+  /// violation is taken, two for each row and candidate.
   std::uint64_t comparisons = 0;
 };
 

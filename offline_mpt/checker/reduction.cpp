@@ -10,8 +10,7 @@
 namespace checker {
 namespace {
 
-constexpr int kHandicapShare = 128;  // FORMAT.md: a fallback region's handicap is the tolerance over this
-constexpr int kDeepest = 2000;       // nested cuts, which bounds the stack
+constexpr int kDeepest = 2000;  // nested cuts, which bounds the stack
 
 /// The two maps are of one problem, and belong together.
 void requirePair(const Map& reduced, const Map& original) {
@@ -42,8 +41,7 @@ Fraction slackOf(const std::string& text) {
 
 }  // namespace
 
-MapRows::MapRows(const Map& map, const Fraction& slack)
-    : map_(map), scaling_(map), slack_(slack), handicap_(Fraction(map.tolerance) / kHandicapShare) {}
+MapRows::MapRows(const Map& map, const Fraction& slack) : map_(map), scaling_(map), slack_(slack) {}
 
 const Row& MapRows::at(std::int32_t row, Moved moved, bool outside) const {
   const auto key = std::make_pair(row, 2 * static_cast<int>(moved) + (outside ? 1 : 0));
@@ -51,7 +49,6 @@ const Row& MapRows::at(std::int32_t row, Moved moved, bool outside) const {
   if (known != known_.end()) return known->second;
   Vector value = scaling_.mapRow(map_, row);
   if (moved == Moved::kSlack) value.back() += slack_;
-  if (moved == Moved::kHandicap) value.back() += handicap_;
   if (outside) {
     for (Fraction& entry : value) entry = -entry;
   }
@@ -61,8 +58,6 @@ const Row& MapRows::at(std::int32_t row, Moved moved, bool outside) const {
 Reduction::Reduction(const std::string& text, const Map& reduced, const Map& original)
     : reduced_map_(reduced),
       original_map_(original),
-      first_fallback_(reduced.first_fallback != 0 ? reduced.first_fallback
-                                                  : static_cast<std::uint32_t>(reduced.regions.size())),
       slack_(slackOf(text)),
       reduced_(reduced, slack_),
       original_(original, slack_) {
@@ -227,10 +222,7 @@ void Reduction::coverByBoth(Line& line, const Cell& cell, const Scope& scope, in
 }
 
 void Reduction::requireAllowed(const std::string& kind, std::uint32_t region, const Scope& scope) const {
-  if (kind == "O") {
-    require(scope.may_cut_ordinary && region < first_fallback_ && isCandidate(region, scope),
-            "a part is left to what is no ordinary candidate");
-  } else if (kind == "C") {
+  if (kind == "C") {
     const bool is_right = scope.candidate >= 0 ? !scope.owners && region == scope.candidate
                                                : !scope.is_claim && isCandidate(region, scope) &&
                                                      sameLaw(reduced_map_.regions[region].law, scope.law);
@@ -251,20 +243,19 @@ void Reduction::cutByRegion(Line& line, const std::string& kind, Cell cell, cons
   const MapRows& rows = kind == "N" ? original_ : reduced_;
   const auto region = static_cast<std::uint32_t>(line.count(rows.map().regions.size() - 1));
   requireAllowed(kind, region, scope);
-  const MapRows::Moved moved = kind == "O" ? MapRows::Moved::kHandicap : MapRows::Moved::kSlack;
   const Map::Region& source = rows.map().regions[region];
   for (std::size_t k = 0; k < source.row_count; ++k) {
     const std::int32_t row = rows.map().rows[source.first_row + k];
     const std::string what = line.word();
     Cell outside = cell;
-    outside.push_back(&rows.at(row, moved, true));
+    outside.push_back(&rows.at(row, MapRows::Moved::kSlack, true));
     if (what == "e") {
       requireEmpty(line, outside, nullptr);
       continue;
     }
     require(what == "s", what + " covers nothing");
     cover(line, std::move(outside), scope, depth + 1);
-    cell.push_back(&rows.at(row, moved, false));
+    cell.push_back(&rows.at(row, MapRows::Moved::kSlack, false));
     if (line.next("q")) return requireEmpty(line, cell, nullptr);
   }
 }
@@ -290,11 +281,8 @@ void Reduction::checkReduced(std::size_t region) const {
   const Cell cell = cellOf(reduced_, region);
   if (line.next("e")) {
     requireEmpty(line, cell, nullptr);
-  } else if (region < first_fallback_) {
-    cover(line, cell, scope, 0);
   } else {
-    scope.may_cut_ordinary = true;
-    walk(line, reduced_map_.root, cell, scope, 0);
+    cover(line, cell, scope, 0);
   }
   line.end();
 }

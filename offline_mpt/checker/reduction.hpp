@@ -22,8 +22,6 @@ class MapRows {
     kNot,
     /// Outwards by the slack.
     kSlack,
-    /// Outwards by the handicap of fallback regions.
-    kHandicap,
   };
   /// A row as the map numbers them; with `outside`, what it leaves out.
   const Row& at(std::int32_t row, Moved moved, bool outside) const;
@@ -33,7 +31,7 @@ class MapRows {
  private:
   const Map& map_;
   Scaling scaling_;
-  Fraction slack_, handicap_;
+  Fraction slack_;
   mutable std::map<std::pair<std::int32_t, int>, Row> known_;
 };
 
@@ -55,8 +53,6 @@ class Reduction {
     const Map::Leaf* leaf = nullptr;
     /// True: the cell is part of a region of the reduced map. False: of the original.
     bool is_claim = false;
-    /// Whether the cell is part of a fallback region, so that ordinary regions may cut it.
-    bool may_cut_ordinary = false;
     /// Law of the region that holds the cell, numbered as in its map.
     std::uint32_t law = 0;
     /// Candidate that must hold a sliver. -1: the cell is no sliver.
@@ -82,7 +78,6 @@ class Reduction {
   bool sameLaw(std::uint32_t reduced, std::uint32_t original) const;
 
   const Map &reduced_map_, &original_map_;
-  std::uint32_t first_fallback_ = 0;
   Fraction law_tolerance_, slack_;
   /// Keys of the head lines that were read.
   std::set<std::string> head_;

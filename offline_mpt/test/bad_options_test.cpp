@@ -71,13 +71,12 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
 }
 
 TEST_F(BadOptions, UnknownWordsNameTheKnownOnes) {
-  expectLine(OFFLINE_MPT_PROGRAM, {"reduce", "a.map", "-o", "b.map", "--merge", "foo"},
-             "offline_mpt: --merge: foo is not one of auto, greedy, none, optimal");
+  expectLine(OFFLINE_MPT_PROGRAM, {"reduce", "a.map", "-o", "b.map", "--tree", "foo"},
+             "offline_mpt: --tree: foo is not one of auto, small");
 }
 
 TEST_F(BadOptions, EndlessFilesEndInALine) {
   expectLine(OFFLINE_MPT_PROGRAM, {"info", "/dev/zero"}, "offline_mpt: /dev/zero: ");
-  expectLine(OFFLINE_MPT_PROGRAM, {"set", "info", "/dev/zero"}, "offline_mpt: /dev/zero: ");
   expectLine(CHECK_CERTIFICATE, {"/dev/zero", "--map", "/dev/zero"}, "check_certificate: /dev/zero: ");
 }
 

@@ -158,13 +158,9 @@ TEST(Diff, RangesMayDiffer) {
   EXPECT_EQ(report.different_pairs, 0u);
 }
 
-// Where fallback regions overlap ordinary ones, their laws do not count.
 TEST(Diff, AReducedMapIsTheSame) {
   const MapInMemory original(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLL...."})));
-  ReduceOptions options;
-  options.separate = true;
-  MapContent content = reduce(original.map(), options).content;
-  ASSERT_GT(content.first_fallback, 0u);
+  MapContent content = reduce(original.map()).content;
   const MapInMemory reduced(content);
   const DiffReport report = diffMaps(original.map(), reduced.map());
   EXPECT_TRUE(report.same()) << diffText(report, {"u"});

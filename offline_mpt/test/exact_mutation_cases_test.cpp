@@ -296,9 +296,6 @@ TEST_F(Mutation, NothingIsProvenThatTheCheckerRefuses) {
   };
   ASSERT_EQ(defect(content_), "");
   MapContent changed = content_;
-  changed.first_fallback = 1;
-  EXPECT_NE(defect(changed).find("fallback"), std::string::npos);
-  changed = content_;
   changed.tolerance = 9e-9;
   EXPECT_NE(defect(changed).find("less than twice"), std::string::npos);
   changed = content_;

@@ -195,47 +195,6 @@ TEST(ExportBoundOfDoubles, AreComparedNumberForNumber) {
   EXPECT_NE(refusal([&] { checker::exportedAnswers(map, checker::readCode(changed)); }), "confirmed");
 }
 
-double clippedLaw(double x) { return std::min(std::max(x, -1.0), 1.0); }
-
-TEST(ExportBoundOfFallbackRegions, IsOfTheOrderOfRoundingAndHolds) {
-  if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
-  const MadeMap made(clippedMap());
-  const std::string code = exportSource(made.map, floatOptions());
-  const checker::ExportedAnswers proven = checker::exportedAnswers(checkedMap(made), checker::readCode(code));
-  EXPECT_TRUE(proven.missing.empty());
-  EXPECT_TRUE(proven.jumps.empty());
-  EXPECT_LT(proven.error[0], 1e-4);
-  const ScratchFolder folder;
-  saveText(folder, "code.c", code);
-  saveText(folder, "code.h", exportHeader(made.map, floatOptions(), {proven.error, proven.margin, {}, {}}));
-  const CompiledCode<float> compiled(folder, "code", "gcc -std=c99");
-  TestPoints points(made.map, 3);
-  int inside = 0;
-  for (int i = 0; i < 20000; ++i) {
-    const std::vector<double> theta = points.next();
-    if (!(std::abs(theta[0]) <= 2.0 && std::abs(theta[1]) <= 2.0)) continue;
-    const float rounded[2] = {static_cast<float>(theta[0]), static_cast<float>(theta[1])};
-    float u = 0.0f;
-    ASSERT_EQ(compiled.evaluate(rounded, &u), 0) << i;
-    ASSERT_LE(std::abs(static_cast<double>(u) - clippedLaw(theta[0])), proven.error[0]) << i;
-    ++inside;
-  }
-  EXPECT_GT(inside, 10000);
-}
-
-// A leaf that lacks its ordinary region answers with the fallback region beneath.
-TEST(ExportBoundOfFallbackRegions, PlacesWhereAFallbackRegionAnswersInsteadAreNamed) {
-  const MadeMap made(clippedMap());
-  std::string code = exportSource(made.map, floatOptions());
-  const std::size_t place = code.find("0u, 2u, 3u, 1u, 2u, 3u");
-  ASSERT_NE(place, std::string::npos) << code;
-  code.replace(place, 22, "0u, 2u, 3u, 3u, 2u, 3u");
-  const checker::ExportedAnswers proven = checker::exportedAnswers(checkedMap(made), checker::readCode(code));
-  const std::set<checker::LeafRegion> expected = {{1, 0}, {1, 1}};
-  EXPECT_EQ(proven.jumps, expected);
-  EXPECT_GT(proven.error[0], 0.7);
-}
-
 // Maps with jumps between regions and with holes: what is proven holds for the compiled code.
 TEST(ExportBoundOfRandomMaps, HoldsForCompiledCode) {
   if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";

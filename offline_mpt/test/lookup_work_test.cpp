@@ -45,9 +45,8 @@ checker::LookupWork countedWork(const checker::LookupTables& code, const std::ve
       }
     }
     has_answer = has_answer || greatest < 1e9;
-    work.comparisons += code.takes_first ? 1 : 4;
+    work.comparisons += code.takes_first ? 1 : 2;
     if (code.takes_first && has_answer) break;
-    if (candidate.is_fallback) greatest = std::max(greatest, 0.0) + code.handicap;
     least = std::min(least, greatest);
     if (least <= 0.0) break;
   }
@@ -62,18 +61,16 @@ MapContent mapOfHoles(std::uint32_t parameters, std::uint64_t seed) {
   recipe.leaf_regions = 5;
   recipe.holes_one_in = 3;
   recipe.seed = seed;
-  MapContent content = makeTreeMap(recipe);
-  content.first_fallback = static_cast<std::uint32_t>(content.regions.size() - 4);
-  return content;
+  return makeTreeMap(recipe);
 }
 
-// One node, then a leaf whose candidates have 6, 5 and 5 rows, and the law.
+// One node, then a leaf whose candidates have 6 and 5 rows, and the law.
 TEST(LookupWork, IsThatOfTheWorstLeaf) {
   const MadeMap made(clippedMap());
   const checker::LookupWork work =
       checker::greatestWork(checker::readCode(exportSource(made.map, optionsOf(ExportType::kDouble))).tables);
-  EXPECT_EQ(work.sums, 1u + 6 + 5 + 5 + 1);
-  EXPECT_EQ(work.comparisons, 2u * 2 + 1 + 2 * (6 + 5 + 5) + 3 * 4);
+  EXPECT_EQ(work.sums, 1u + 6 + 5 + 1);
+  EXPECT_EQ(work.comparisons, 2u * 2 + 1 + 2 * (6 + 5) + 2 * 2);
 }
 
 TEST(LookupWork, IsExceededByNoRandomLookup) {

@@ -57,8 +57,8 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenAndReduced) {
   expectPart(check({path("speed.cert"), "--map", path("speed.map"), "--problem", path("speed.map")}).err,
              "speed.map: refused: the problem file is not the one");
 
-  const Outcome reduced = tool({"reduce", path("speed.map"), "-o", path("small.map"), "--separate",
-                                "--certificate", path("small.cert")});
+  const Outcome reduced =
+      tool({"reduce", path("speed.map"), "-o", path("small.map"), "--certificate", path("small.cert")});
   ASSERT_EQ(reduced.exit_code, 0) << reduced.err;
   const Outcome confirmed =
       check({path("small.cert"), "--map", path("small.map"), "--reduced-from", path("speed.map")});

@@ -39,7 +39,6 @@ TEST(Reduce, StopsWhileItJoinsAndWhileTreesGrow) {
   for (const TreeMode tree : {TreeMode::kAuto, TreeMode::kSmall}) {
     std::atomic<bool> stop{false};
     ReduceOptions options;
-    options.merge = MergeMethod::kNone;
     options.tree = tree;
     options.stop = &stop;
     EXPECT_EQ(errorOf(original.map(), options), "");

@@ -15,16 +15,15 @@ std::string reductionRefusal(const std::string& certificate, const std::string& 
   return "";
 }
 
-std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good, bool separated) {
+std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good) {
   std::vector<std::pair<std::string, MapContent>> result;
   const auto change = [&](const std::string& what) -> MapContent& {
     return result.emplace_back(what, good).second;
   };
   for (std::size_t i = 0; i < good.laws.size(); ++i) change("law entry " + std::to_string(i)).laws[i] += 1e-6;
   for (std::size_t i = 2; i < good.planes.size(); i += 3) {
-    const bool is_separating = i / 3 + 1 == good.planes.size() / 3 && separated;
     const bool is_box = good.planes[i] == 0.0 || good.planes[i] == 2.0;
-    if (is_separating || is_box) continue;
+    if (is_box) continue;
     for (const double shift : {1e-6, -1e-6}) change("plane " + std::to_string(i / 3)).planes[i] += shift;
   }
   for (std::size_t i = 0; i < good.leaves.size(); ++i) {
@@ -39,8 +38,7 @@ std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good
     }
   }
   for (std::size_t k = 0; k < good.tests.size(); ++k) {
-    const bool is_fallback = good.first_fallback != 0 && good.candidates[k] >= good.first_fallback;
-    for (std::uint32_t row = 0; row < 31 && !is_fallback; ++row) {  // all rows of fallback regions are tested
+    for (std::uint32_t row = 0; row < 31; ++row) {
       if (!isTested(good.tests[k], row)) continue;
       change("row " + std::to_string(row) + " of candidate " + std::to_string(k)).tests[k] ^= 1u << row;
     }

@@ -14,6 +14,6 @@ std::string reductionRefusal(const std::string& certificate, const std::string& 
 
 /// Maps that answer differently from `good`, a reduced map with two parameters and one input, and what is
 /// wrong with each.
-std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good, bool separated);
+std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good);
 
 }  // namespace polyfly

@@ -16,7 +16,6 @@
 #include "allocations.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/reduce.hpp"
-#include "polyfly_base/error.hpp"
 #include "project_root.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
@@ -268,20 +267,6 @@ TEST(NearestFeasible, OverlappingRegionsOfAReducedMapAreOneSet) {
     double nearest = 0.0;
     ASSERT_TRUE(set.find(&x, &nearest));
     EXPECT_NEAR(nearest, std::clamp(x, -1.0, 0.8), kScaled);
-  }
-}
-
-TEST(NearestFeasible, RefusesAMapWithFallbackRegions) {
-  MapContent content = twoRegions();
-  content.first_fallback = 1;
-  const std::string path = testing::TempDir() + "nearest_feasible_fallback.map";
-  writeMap(content, path);
-  const RegionMap map = RegionMap::open(path);
-  try {
-    const NearestFeasible refused(map, {true});
-    FAIL() << "took a map with fallback regions";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("without fallback regions"), std::string::npos) << error.what();
   }
 }
 

@@ -14,7 +14,7 @@ constexpr std::size_t kStatus = 3;  // place among the strings of a map
 Lookups::Lookups(const Map& map, const Fraction& plane_tolerance, const std::vector<ProvenRegion>& regions,
                  RowsOfRegion rows)
     : LookupAnswers(map), regions_(regions), rows_(std::move(rows)), plane_tolerance_(plane_tolerance) {
-  require(map_.reduced_from == 0 && map_.first_fallback == 0, "the map was reduced");
+  require(map_.reduced_from == 0, "the map was reduced");
   require(map_.words[kStatus] == "complete", "the map's status is not complete");
 }
 

@@ -55,8 +55,8 @@ Map::Map(const std::string& file) {
   period = load<double>(file, 48);
   tolerance = load<double>(file, 56);
   reduced_from = load<std::uint64_t>(file, 80);
-  first_fallback = load<std::uint32_t>(file, 88);
   require(tolerance >= 0.0 && tolerance <= kMaxTolerance, "the map's tolerance is out of range");
+  require(load<std::uint32_t>(file, 88) == 0, "the map has fallback regions: reduce the original map again");
   require(load<std::uint32_t>(file, 92) == 0, "the reserved bytes of the map are not zero");
   require(p >= 1 && p <= 256 && q >= 1 && q <= 256, "the map's sizes are out of range");
   readText(file);

@@ -25,7 +25,7 @@ struct Map {
   };
   static constexpr std::uint32_t kLeaf = 0x80000000u;
 
-  std::uint32_t p = 0, q = 0, root = 0, first_fallback = 0;
+  std::uint32_t p = 0, q = 0, root = 0;
   std::uint64_t checksum = 0, size = 0, reduced_from = 0;
   double tolerance = 0.0, period = 0.0;
   std::string problem;             ///< text

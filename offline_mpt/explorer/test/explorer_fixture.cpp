@@ -84,8 +84,7 @@ void expectSameAnswers(const RegionMap& map, const std::vector<std::vector<doubl
       continue;
     }
     ++inside;
-    const std::string kind = found.region >= map.firstFallback() ? "Fallback region " : "Region ";
-    EXPECT_EQ(answer["title"], kind + std::to_string(found.region)) << "point " << k;
+    EXPECT_EQ(answer["title"], "Region " + std::to_string(found.region)) << "point " << k;
     for (std::size_t j = 0; j < u.size(); ++j)
       EXPECT_NEAR(answer["u"][j].get<double>(), u[j], kSameSum * (1.0 + std::abs(u[j]))) << "point " << k;
     EXPECT_NEAR(shownNumber(answer["shown"]), u[0], kShownDigits * std::abs(u[0]) + kSameSum)

@@ -75,7 +75,6 @@ std::optional<ProvenCode> proveRepaired(const RegionMap& map, const checker::Map
     bool lacks = false;
     if (repairs < kMostRepairs) {
       lacks = addCandidates(proven.missing, of_added, options.chosen);
-      lacks = addCandidates(proven.jumps, of_added, options.chosen) || lacks;
     }
     if (lacks) continue;
     if (!proven.missing.empty()) return std::nullopt;

@@ -43,7 +43,7 @@ struct MapCover {
 struct DiffReport {
   std::uint64_t first_regions = 0;
   std::uint64_t second_regions = 0;
-  /// Pairs of regions whose interiors meet. Of a fallback region, only what no ordinary region holds counts.
+  /// Pairs of regions whose interiors meet.
   std::uint64_t pairs = 0;
   /// Of `pairs`: their laws differ by more than the tolerance.
   std::uint64_t different_pairs = 0;

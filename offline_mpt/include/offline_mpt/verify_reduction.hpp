@@ -49,7 +49,6 @@ const char* toString(ReductionDefect::Kind kind);
 struct ReductionReport {
   std::uint64_t original_regions = 0;
   std::uint64_t reduced_regions = 0;
-  std::uint64_t fallback_regions = 0;
   /// Parts of regions that were examined.
   std::uint64_t cells = 0;
   /// Regions of either map without interior.
@@ -73,11 +72,8 @@ struct ReductionReport {
 /// 1. Where a region of the original holds theta, the leaf of the reduced map at which theta arrives has a
 ///    candidate that holds theta within the slack, and its law is that of the region or (in slivers that the
 ///    tree leaves to a neighbour) of another region of the original that holds theta within the slack.
-/// 2. Each ordinary region of the reduced map lies, within the slack, in the union of the original's regions
-///    with its law.
-/// 3. So does what a fallback region claims: the part of it that lies in no ordinary candidate of the leaf
-///    within the handicap of fallback regions (FORMAT.md).
-/// 4. Where a leaf does not test all rows of a candidate, a look-up in binary64 answers only within 8 tolerances of each.
+/// 2. Each region of the reduced map lies, within the slack, in the union of the original's regions with its law.
+/// 3. Where a leaf does not test all rows of a candidate, a look-up in binary64 answers only within 8 tolerances of each.
 ///
 /// So every answer of the reduced map is one that the original gives as well, within the tolerance that both maps
 /// carry. Where the original answers, so does the reduced map. What is proven of the original holds for the reduced

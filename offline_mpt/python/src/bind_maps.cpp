@@ -104,21 +104,21 @@ py::array laws(const py::object& self) {
               self);
 }
 
-MergeMethod mergeMethod(const std::string& name) {
-  for (const MergeMethod method :
-       {MergeMethod::kNone, MergeMethod::kGreedy, MergeMethod::kOptimal, MergeMethod::kAuto}) {
-    if (name == toString(method)) return method;
+/// Options that were removed are refused with what to use instead.
+void refuseRemoved(const py::kwargs& others) {
+  for (const auto& [name, text] : {std::pair{"merge", kNoMerge}, std::pair{"separate", kNoSeparate}}) {
+    if (others.contains(name)) throw Error(std::string(name) + ": " + text);
   }
-  throw Error("merge: must be none, greedy, optimal or auto, got '" + name + "'");
+  for (const auto& [name, value] : others)
+    throw py::type_error("reduce() has no argument " + py::cast<std::string>(name));
 }
 
-std::unique_ptr<LoadedMap> reduceMap(const LoadedMap& map, const std::string& merge, bool separate,
-                                     const std::string& tree, int threads, py::object progress) {
+std::unique_ptr<LoadedMap> reduceMap(const LoadedMap& map, const std::string& tree, int threads,
+                                     py::object progress, const py::kwargs& others) {
+  refuseRemoved(others);
   const std::string name = map.map().path() + ", reduced";
   ProvenReduction proven = watched(std::move(progress), [&](Watch& watch) {
     ReduceOptions reduce;
-    reduce.merge = mergeMethod(merge);
-    reduce.separate = separate;
     reduce.tree = treeMode(tree, {TreeMode::kAuto, TreeMode::kSmall});
     reduce.threads = threadCount(threads);
     reduce.stop = &watch.stop();
@@ -233,11 +233,9 @@ void bindMaps(py::module_& module, py::class_<LoadedMap>& type) {
       .def(
           "save", [](const LoadedMap& map, const Path& path) { map.save(path.string()); }, py::arg("path"),
           "Writes the map file: whole or not at all.")
-      .def("reduce", &reduceMap, py::arg("merge") = "auto", py::arg("separate") = false, py::kw_only(),
-           py::arg("tree") = "auto", py::arg("threads") = 0, py::arg("progress") = py::none(),
-           "A smaller map, proven to give the same answers. merge: none, greedy, optimal or auto. separate: "
-           "few "
-           "fallback regions replace saturated ones (one input). tree: auto, or small: as far as it shortens "
+      .def("reduce", &reduceMap, py::kw_only(), py::arg("tree") = "auto", py::arg("threads") = 0,
+           py::arg("progress") = py::none(),
+           "A smaller map, proven to give the same answers. tree: auto, or small: as far as it shortens "
            "look-ups.")
       .def("verify", &verifyMap, py::kw_only(), py::arg("samples") = 10000, py::arg("seed") = 1,
            py::arg("tolerance") = 1e-7, py::arg("threads") = 0, py::arg("progress") = py::none(),

@@ -234,8 +234,12 @@ class Proofs(unittest.TestCase):
         lower, upper = zip(*((signal.lower, signal.upper) for signal in self.map.parameters))
         thetas = random_parameters(lower, upper, 5000, seed=2)
         np.testing.assert_allclose(self.map.evaluate(thetas), small.evaluate(thetas), atol=1e-8)
-        with self.assertRaisesRegex(pf.Error, "merge: must be none, greedy, optimal or auto"):
-            self.map.reduce(merge="best")
+        with self.assertRaisesRegex(pf.Error, "merge: was removed; regions of one law are always joined"):
+            self.map.reduce(merge="greedy")
+        with self.assertRaisesRegex(pf.Error, "separate: was removed; leave it out"):
+            self.map.reduce(separate=True)
+        with self.assertRaisesRegex(TypeError, "no argument best"):
+            self.map.reduce(best=True)
 
     def test_picture(self):
         picture = self.map.plot("e_p_z", "e_v_z", at={"T_cmd_ref": 0.1})

@@ -1,9 +1,7 @@
 #include "offline_mpt/diff.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <mutex>
-#include <tuple>
 #include <utility>
 
 #include "arithmetic/exact_numbers.hpp"
@@ -16,9 +14,9 @@
 namespace polyfly {
 namespace {
 
-/// What was found about one cell of the first map.
-struct CellDifferences {
-  // Regions of the second map that meet the cell's, ascending.
+/// What was found about one region of the first map.
+struct RegionDifferences {
+  // Regions of the second map that meet it, ascending.
   std::vector<std::uint32_t> met;
   // The greatest difference of each input and each met region that is not zero.
   std::vector<LawDifference> differences;
@@ -29,19 +27,19 @@ class MapComparison {
   MapComparison(const MapCells& first, const MapCells& second, const std::vector<Signal>& ranges)
       : first_(first),
         second_(second),
-        boxes_(boxTree(second.cells())),
+        boxes_(boxTree(second.regions())),
         inputs_(first.exact().map().inputs().size()),
         ranges_(ranges) {}
 
-  CellDifferences compare(const MapCell& cell) const {
-    CellDifferences result;
+  RegionDifferences compare(const MapCell& cell) const {
+    RegionDifferences result;
     for (const std::uint32_t candidate : boxes_.meeting(cell.box)) {
-      const MapCell& other = second_.cells()[candidate];
+      const MapCell& other = second_.regions()[candidate];
       if (areOpposed(cell, other)) continue;
       std::vector<const ExactRow*> rows = cell.cell.rows;
       rows.insert(rows.end(), other.cell.rows.begin(), other.cell.rows.end());
       if (!hasInterior(rows)) continue;
-      if (result.met.empty() || result.met.back() != other.region) result.met.push_back(other.region);
+      result.met.push_back(other.region);
       for (std::size_t input = 0; input < inputs_; ++input) {
         LawDifference difference = greatest(rows, cell.region, other.region, input);
         if (difference.size > 0.0) result.differences.push_back(std::move(difference));
@@ -112,7 +110,7 @@ using MeetingRegions = std::vector<std::vector<std::uint32_t>>;
 /// Whether `map` answers wherever a region of another one does. `witness`: where it does not.
 class CoverCheck {
  public:
-  /// `meeting` by regions of the other map. Of a fallback region it may lack some.
+  /// `meeting` by regions of the other map.
   CoverCheck(const MapCells& map, const MeetingRegions& meeting)
       : map_(map), meeting_(meeting), boxes_(boxTree(map.regions())) {
     for (const MapCell& region : map.regions()) all_.push_back(region.region);
@@ -185,45 +183,14 @@ bool findCover(const CoverCheck& check, const MapCells& other, const DiffOptions
   return true;
 }
 
-using RegionPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-/// Pairs of regions that meet, ascending.
-RegionPairs pairsOf(const std::vector<CellDifferences>& found, const MapCells& first) {
-  RegionPairs pairs;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    for (const std::uint32_t met : found[i].met) pairs.emplace_back(first.cells()[i].region, met);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
-}
-
-/// Of the parts of fallback regions, the greatest difference of each pair of regions and input stays.
-std::vector<LawDifference> greatestOfEach(std::vector<LawDifference> differences) {
-  const auto key = [](const LawDifference& difference) {
-    return std::make_tuple(difference.first_region, difference.second_region, difference.input);
-  };
-  std::stable_sort(differences.begin(), differences.end(),
-                   [&](const LawDifference& a, const LawDifference& b) {
-                     return key(a) != key(b) ? key(a) < key(b) : a.size > b.size;
-                   });
-  const auto end =
-      std::unique(differences.begin(), differences.end(),
-                  [&](const LawDifference& a, const LawDifference& b) { return key(a) == key(b); });
-  differences.erase(end, differences.end());
-  return differences;
-}
-
-void fillDifferences(std::vector<CellDifferences>& found, DiffReport& report) {
-  std::vector<LawDifference> all;
-  for (CellDifferences& cell : found)
-    std::move(cell.differences.begin(), cell.differences.end(), std::back_inserter(all));
+void fillDifferences(std::vector<RegionDifferences>& found, DiffReport& report) {
   const LawDifference* last = nullptr;
-  for (LawDifference& difference : greatestOfEach(std::move(all))) {
-    LawDifference& greatest = report.greatest[static_cast<std::size_t>(difference.input)];
-    if (difference.size > greatest.size) greatest = difference;
-    if (!(difference.size > report.tolerance)) continue;
-    report.differences.push_back(std::move(difference));
+  for (RegionDifferences& region : found) {
+    for (LawDifference& difference : region.differences) {
+      LawDifference& greatest = report.greatest[static_cast<std::size_t>(difference.input)];
+      if (difference.size > greatest.size) greatest = difference;
+      if (difference.size > report.tolerance) report.differences.push_back(std::move(difference));
+    }
   }
   for (const LawDifference& difference : report.differences) {
     const bool is_new = last == nullptr || last->first_region != difference.first_region ||
@@ -246,16 +213,16 @@ DiffReport diffMaps(const RegionMap& first, const RegionMap& second, const DiffO
   report.greatest.resize(first.inputs().size());
   for (std::size_t i = 0; i < report.greatest.size(); ++i) report.greatest[i].input = static_cast<int>(i);
   const MapComparison comparison(cells, others, ranges);
-  std::vector<CellDifferences> found(cells.cells().size());
+  std::vector<RegionDifferences> found(cells.regions().size());
   const bool compared =
       inParallel(found.size(), options.threads, options.stop, options.progress,
-                 [&](std::size_t, std::uint64_t i) { found[i] = comparison.compare(cells.cells()[i]); });
-  const RegionPairs pairs = pairsOf(found, cells);
-  report.pairs = pairs.size();
+                 [&](std::size_t, std::uint64_t i) { found[i] = comparison.compare(cells.regions()[i]); });
   MeetingRegions of_first(first.regionCount()), of_second(second.regionCount());
-  for (const auto& [one, other] : pairs) {
-    of_first[one].push_back(other);
-    of_second[other].push_back(one);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::uint32_t region = cells.regions()[i].region;
+    of_first[region] = found[i].met;
+    for (const std::uint32_t other : found[i].met) of_second[other].push_back(region);
+    report.pairs += found[i].met.size();
   }
   report.interrupted =
       !compared || !findCover(CoverCheck(cells, of_second), others, options, report.first_covers_second) ||

@@ -59,7 +59,6 @@ MapCells::MapCells(const RegionMap& map, const std::vector<Signal>& ranges, cons
     : exact_(map, map.tolerance(), ranges, other != nullptr ? &other->exact_ : nullptr) {
   addSides(ranges);
   addRegions(threads);
-  addCells();
 }
 
 void MapCells::addSides(const std::vector<Signal>& ranges) {
@@ -93,28 +92,6 @@ void MapCells::addRegions(int threads) {
   });
   for (MapCell& region : all) {
     if (!region.box.upper.empty()) regions_.push_back(std::move(region));
-  }
-}
-
-void MapCells::addCells() {
-  std::vector<std::uint32_t> ordinary;
-  ProofWriter log;
-  for (const MapCell& region : regions_) {
-    if (region.region < exact_.map().firstFallback()) {
-      cells_.push_back(region);
-      ordinary.push_back(region.region);
-      continue;
-    }
-    const auto keep = [&](const ExactCell& rest) {
-      MapCell part;
-      part.region = region.region;
-      part.cell = rest;
-      if (!makeCertain(exact_, part.cell)) return true;
-      findBox(exact_.p(), part);
-      cells_.push_back(std::move(part));
-      return true;
-    };
-    subtract(exact_, region.cell, ordinary, CutBy::kOrdinary, keep, log);
   }
 }
 

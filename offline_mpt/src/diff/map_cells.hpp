@@ -9,7 +9,7 @@
 
 namespace polyfly {
 
-/// Part of a region, with a point strictly inside, and a box that holds it.
+/// A region with a point strictly inside, and a box that holds it.
 struct MapCell {
   std::uint32_t region = 0;
   ExactCell cell;
@@ -30,10 +30,7 @@ class MapCells {
 
   const ExactMap& exact() const { return exact_; }
 
-  /// Cells by region. Of a fallback region, only the parts that no ordinary region holds.
-  const std::vector<MapCell>& cells() const { return cells_; }
-
-  /// Whole regions with interior, ascending.
+  /// Regions with interior, ascending.
   const std::vector<MapCell>& regions() const { return regions_; }
 
   /// Sides of the map's box that lie inside of the ranges.
@@ -42,12 +39,10 @@ class MapCells {
  private:
   void addSides(const std::vector<Signal>& ranges);
   void addRegions(int threads);
-  void addCells();
 
   const ExactMap exact_;
   std::deque<ExactRow> sides_;
   std::vector<MapCell> regions_;
-  std::vector<MapCell> cells_;
 };
 
 /// The boxes of cells, which must outlive the tree.

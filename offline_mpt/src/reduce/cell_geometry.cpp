@@ -137,12 +137,13 @@ bool CellGeometry::holds(const RowList& rows, const double* point, double slack)
                      [&](std::int32_t row) { return planes_.value(row, point) <= slack; });
 }
 
-RowList CellGeometry::minimal(const ConvexCell& piece, double tolerance) {
+RowList CellGeometry::minimal(const ConvexCell& piece) {
   work_.clear();
   for (const std::int32_t row : piece.rows) planes_.append(row, 0.0, work_);
   MinimalRows needed;
   const int count = static_cast<int>(piece.rows.size());
-  if (!solver_.minimal(work_.data(), count, piece.centre.data(), tolerance, needed)) return piece.rows;
+  if (!solver_.minimal(work_.data(), count, piece.centre.data(), tolerance::kNeededReach, needed))
+    return piece.rows;
   RowList result;
   for (const int i : needed.facets) result.push_back(piece.rows[static_cast<std::size_t>(i)]);
   return result;
@@ -168,10 +169,11 @@ bool CellGeometry::coverCell(std::vector<double>& cell, std::vector<double> cent
     const std::size_t end = cell.size();
     planes_.append(-row, -slack, cell);
     centre = start;
-    if (ball(cell, centre.data()) > tolerance::kNoRest && !coverCell(cell, centre, cover, slack))
-      return false;
+    const bool cuts = ball(cell, centre.data()) > tolerance::kNoRest;
+    if (cuts && !coverCell(cell, centre, cover, slack)) return false;
     cell.resize(end);
-    planes_.append(row, slack, cell);
+    // A row that cuts nothing off would only lengthen the programs that follow.
+    if (cuts) planes_.append(row, slack, cell);
   }
   cell.resize(size);
   return true;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lp/polytope.hpp"
-#include "reduce/tolerances.hpp"
 
 namespace polyfly {
 
@@ -63,23 +62,21 @@ class CellGeometry {
   /// Whether a point lies in all half-spaces moved outwards by `slack`.
   bool holds(const RowList& rows, const double* point, double slack) const;
 
-  /// The rows without which the piece would reach farther than `tolerance`. The piece must have been
-  /// described, and be bounded by its own rows.
-  RowList minimal(const ConvexCell& piece, double tolerance = tolerance::kNeededReach);
+  /// The rows without which the piece would reach farther. It must have been described, and be bounded by its own rows.
+  RowList minimal(const ConvexCell& piece);
 
   /// Whether the piece lies in the union of `cover`, their rows moved outwards by `slack`. Work is limited: a
   /// "no" may mean that the question was too long.
   bool covered(const ConvexCell& piece, const std::vector<const RowList*>& cover, double slack);
-
-  /// Radius of the largest ball in rows (p + 1 numbers each) and box; `centre` is a guess and receives the
-  /// centre. 0 when the simplex failed.
-  double ball(const std::vector<double>& rows, double* centre);
 
   const ScaledPlanes& planes() const { return planes_; }
 
  private:
   bool coverCell(std::vector<double>& cell, std::vector<double> centre,
                  const std::vector<const RowList*>& cover, double slack);
+  /// Radius of the largest ball in rows (p + 1 numbers each) and box; `centre` is a guess and receives the
+  /// centre. 0 when the simplex failed.
+  double ball(const std::vector<double>& rows, double* centre);
   void gather(const RowList& rows, double slack, std::vector<double>& out) const;
   void appendBox(std::vector<double>& out) const;
   void throwIfStopped() const;

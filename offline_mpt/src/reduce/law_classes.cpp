@@ -83,15 +83,4 @@ std::vector<std::uint32_t> lawClasses(const RegionMap& map, double tolerance) {
   return result;
 }
 
-bool isConstantLaw(const RegionMap& map, std::uint32_t law, double tolerance) {
-  const std::size_t p = map.parameters().size();
-  const std::vector<double> gains = scaledLaw(map, law, lawScales(map));
-  for (std::size_t i = 0; i < gains.size(); i += p + 1) {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < p; ++j) sum += std::abs(gains[i + j]);
-    if (sum > tolerance) return false;
-  }
-  return true;
-}
-
 }  // namespace polyfly

@@ -14,7 +14,4 @@ std::vector<double> lawScales(const RegionMap& map);
 /// relative to lawScales: itself, or one that comes before and stands for itself.
 std::vector<std::uint32_t> lawClasses(const RegionMap& map, double tolerance);
 
-/// For a law whose inputs do not depend on theta (within `tolerance`, as above): true.
-bool isConstantLaw(const RegionMap& map, std::uint32_t law, double tolerance);
-
 }  // namespace polyfly

@@ -21,8 +21,8 @@ struct LawLeaf {
 
 class LawJoiner final : public TreeRewriter<LawLeaf> {
  public:
-  LawJoiner(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws, const RowList& box,
-            double slack, const SearchTree& tree)
+  LawJoiner(CellGeometry& geometry, const TreeRegions& regions, const std::vector<std::uint32_t>& laws,
+            const RowList& box, double slack, const SearchTree& tree)
       : TreeRewriter(tree), geometry_(geometry), regions_(regions), laws_(laws), box_(box), slack_(slack) {}
 
   std::vector<LawCell> takeCells() { return std::move(cells_); }
@@ -33,7 +33,7 @@ class LawJoiner final : public TreeRewriter<LawLeaf> {
     LawLeaf part{std::nullopt, number, path_, std::nullopt};
     if (leaf.count == 0) return part;
     const auto first = tree_.candidates.begin() + leaf.first;
-    const std::uint32_t law = laws_.laws[*first];
+    const std::uint32_t law = laws_[*first];
     if (leaf.count == 1 && tree_.tests[leaf.first] == 0) {
       part.law = law;
       part.holder = *first;
@@ -41,7 +41,7 @@ class LawJoiner final : public TreeRewriter<LawLeaf> {
     }
     std::vector<const RowList*> cover;
     for (auto region = first; region != first + leaf.count; ++region) {
-      if (laws_.laws[*region] != law) return part;
+      if (laws_[*region] != law) return part;
       cover.push_back(&regions_.rows[*region]);
     }
     ConvexCell cell;
@@ -85,7 +85,7 @@ class LawJoiner final : public TreeRewriter<LawLeaf> {
     cell.rows = part.path;
     geometry_.describe(cell);
     for (std::uint32_t region = 0; region < regions_.rows.size(); ++region) {
-      if (laws_.laws[region] != *part.law) continue;
+      if (laws_[region] != *part.law) continue;
       const RowList& rows = regions_.rows[region];
       if (std::all_of(rows.begin(), rows.end(),
                       [&](std::int32_t row) { return geometry_.holdsOn(row, cell, slack_); }))
@@ -99,7 +99,7 @@ class LawJoiner final : public TreeRewriter<LawLeaf> {
 
   CellGeometry& geometry_;
   const TreeRegions& regions_;
-  const PruneRegions& laws_;
+  const std::vector<std::uint32_t>& laws_;
   const RowList& box_;
   double slack_;
   std::vector<LawCell> cells_;
@@ -107,8 +107,9 @@ class LawJoiner final : public TreeRewriter<LawLeaf> {
 
 }  // namespace
 
-SearchTree joinByLaw(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws,
-                     const RowList& box, double slack, const SearchTree& tree, std::vector<LawCell>& cells) {
+SearchTree joinByLaw(CellGeometry& geometry, const TreeRegions& regions,
+                     const std::vector<std::uint32_t>& laws, const RowList& box, double slack,
+                     const SearchTree& tree, std::vector<LawCell>& cells) {
   LawJoiner joiner(geometry, regions, laws, box, slack, tree);
   SearchTree joined = joiner.run();
   cells = joiner.takeCells();

@@ -21,6 +21,61 @@ std::vector<std::size_t> joined(const std::vector<std::size_t>& a, const std::ve
   return result;
 }
 
+/// The half-spaces of some pieces that hold on all of them, with the box, without redundant ones.
+class Envelopes {
+ public:
+  Envelopes(CellGeometry& geometry, std::vector<ConvexCell>& pieces, const RowList& box, double slack)
+      : geometry_(geometry), pieces_(pieces), box_(box), slack_(slack), known_(pieces.size()) {
+    for (const ConvexCell& piece : pieces) rows_.insert(rows_.end(), piece.rows.begin(), piece.rows.end());
+    std::sort(rows_.begin(), rows_.end());
+    rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
+  }
+
+  ConvexCell of(const std::vector<std::size_t>& members) {
+    std::vector<std::size_t> pool;
+    for (const std::size_t member : members) {
+      for (const std::int32_t row : pieces_[member].rows)
+        pool.push_back(
+            static_cast<std::size_t>(std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin()));
+    }
+    std::sort(pool.begin(), pool.end());
+    pool.erase(std::unique(pool.begin(), pool.end()), pool.end());
+    ConvexCell result;
+    for (const std::size_t row : pool) {
+      const bool holds = std::all_of(members.begin(), members.end(),
+                                     [&](std::size_t member) { return holdsOn(row, member); });
+      if (holds) result.rows.push_back(rows_[row]);
+    }
+    for (const std::int32_t row : box_) {
+      if (std::find(result.rows.begin(), result.rows.end(), row) == result.rows.end())
+        result.rows.push_back(row);
+    }
+    result.centre = pieces_[members.front()].centre;
+    geometry_.describe(result);
+    if (result.radius > 0.0) result.rows = geometry_.minimal(result);
+    return result;
+  }
+
+ private:
+  bool holdsOn(std::size_t row, std::size_t piece) {
+    constexpr char kUnknown = 0, kYes = 1, kNo = 2;
+    std::vector<char>& known = known_[piece];
+    if (known.empty()) known.assign(rows_.size(), kUnknown);
+    if (known[row] == kUnknown)
+      known[row] = geometry_.holdsOn(rows_[row], pieces_[piece], slack_) ? kYes : kNo;
+    return known[row] == kYes;
+  }
+
+  CellGeometry& geometry_;
+  std::vector<ConvexCell>& pieces_;
+  const RowList& box_;
+  double slack_;
+  // Rows of all pieces, sorted.
+  RowList rows_;
+  // Whether each row holds on each piece, by piece and row.
+  std::vector<std::vector<char>> known_;
+};
+
 class GreedyMerger {
  public:
   GreedyMerger(CellGeometry& geometry, const MergeTask& task)
@@ -33,7 +88,7 @@ class GreedyMerger {
     next_id_ = pieces_.size();
   }
 
-  Merged run() {
+  std::vector<ConvexCell> run() {
     for (std::size_t i = 0; i < unions_.size(); ++i) {
       for (std::size_t j = 0; j < unions_.size(); ++j) {
         if (j == i || !tryPair(i, j)) continue;
@@ -43,9 +98,8 @@ class GreedyMerger {
       }
     }
     dropCovered();
-    Merged result;
-    for (Union& one : unions_) result.pieces.push_back(std::move(one.piece));
-    result.optimal = result.pieces.size() <= 1;
+    std::vector<ConvexCell> result;
+    for (Union& one : unions_) result.push_back(std::move(one.piece));
     return result;
   }
 
@@ -135,50 +189,7 @@ class GreedyMerger {
 
 }  // namespace
 
-Envelopes::Envelopes(CellGeometry& geometry, std::vector<ConvexCell>& pieces, const RowList& box,
-                     double slack)
-    : geometry_(geometry), pieces_(pieces), box_(box), slack_(slack), known_(pieces.size()) {
-  RowList all;
-  for (const ConvexCell& piece : pieces) all.insert(all.end(), piece.rows.begin(), piece.rows.end());
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  rows_ = std::move(all);
-}
-
-bool Envelopes::holdsOn(std::size_t row, std::size_t piece) {
-  constexpr char kUnknown = 0, kYes = 1, kNo = 2;
-  std::vector<char>& known = known_[piece];
-  if (known.empty()) known.assign(rows_.size(), kUnknown);
-  if (known[row] == kUnknown) known[row] = geometry_.holdsOn(rows_[row], pieces_[piece], slack_) ? kYes : kNo;
-  return known[row] == kYes;
-}
-
-ConvexCell Envelopes::of(const std::vector<std::size_t>& members) {
-  std::vector<std::size_t> pool;
-  for (const std::size_t member : members) {
-    for (const std::int32_t row : pieces_[member].rows)
-      pool.push_back(
-          static_cast<std::size_t>(std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin()));
-  }
-  std::sort(pool.begin(), pool.end());
-  pool.erase(std::unique(pool.begin(), pool.end()), pool.end());
-  ConvexCell result;
-  for (const std::size_t row : pool) {
-    const bool holds =
-        std::all_of(members.begin(), members.end(), [&](std::size_t member) { return holdsOn(row, member); });
-    if (holds) result.rows.push_back(rows_[row]);
-  }
-  for (const std::int32_t row : box_) {
-    if (std::find(result.rows.begin(), result.rows.end(), row) == result.rows.end())
-      result.rows.push_back(row);
-  }
-  result.centre = pieces_[members.front()].centre;
-  geometry_.describe(result);
-  if (result.radius > 0.0) result.rows = geometry_.minimal(result);
-  return result;
-}
-
-Merged mergeGreedily(CellGeometry& geometry, const MergeTask& task) {
+std::vector<ConvexCell> mergeGreedily(CellGeometry& geometry, const MergeTask& task) {
   return GreedyMerger(geometry, task).run();
 }
 

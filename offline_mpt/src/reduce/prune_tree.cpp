@@ -23,8 +23,8 @@ using Candidates = std::vector<std::uint32_t>;  // ascending
 
 class Pruner final : public TreeRewriter<LeafContent> {
  public:
-  Pruner(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws, double slack,
-         double side_tolerance, const SearchTree& tree)
+  Pruner(CellGeometry& geometry, const TreeRegions& regions, const std::vector<std::uint32_t>& laws,
+         double slack, double side_tolerance, const SearchTree& tree)
       : TreeRewriter(tree),
         geometry_(geometry),
         regions_(regions),
@@ -52,8 +52,8 @@ class Pruner final : public TreeRewriter<LeafContent> {
     else
       return std::nullopt;
     for (const std::uint32_t region : joined.candidates)
-      joined.tests.push_back(testsAllRows(region) ? testsOfAll(rowCount(region))
-                                                  : solver_.testsAt(region, path_));
+      joined.tests.push_back(tree_.tests.empty() ? testsOfAll(rowCount(region))
+                                                 : solver_.testsAt(region, path_));
     if (cost(joined) > std::max(cost(below), cost(above)) + 1) return std::nullopt;
     return joined;
   }
@@ -69,23 +69,20 @@ class Pruner final : public TreeRewriter<LeafContent> {
     return static_cast<std::uint32_t>(regions_.rows[region].size());
   }
 
-  bool testsAllRows(std::uint32_t region) const {
-    return tree_.tests.empty() || region >= laws_.first_fallback;
-  }
-
   LeafContent prune(const MapContent::Leaf& leaf) {
     std::map<std::uint32_t, std::uint32_t> tests;  // by candidate
     Candidates candidates;
     for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
       candidates.push_back(tree_.candidates[k]);
       const std::uint32_t region = candidates.back();
-      tests[region] = testsAllRows(region) ? testsOfAll(rowCount(region)) : tree_.tests[k];
+      tests[region] = tree_.tests.empty() ? testsOfAll(rowCount(region)) : tree_.tests[k];
     }
     std::sort(candidates.begin(), candidates.end());
     for (std::size_t i = candidates.size(); i-- > 0 && candidates.size() > 1;) {
       std::vector<const RowList*> cover;
       for (const std::uint32_t other : candidates) {
-        if (other != candidates[i] && standsFor(other, candidates[i])) cover.push_back(&regions_.rows[other]);
+        if (other != candidates[i] && laws_[other] == laws_[candidates[i]])
+          cover.push_back(&regions_.rows[other]);
       }
       if (!cover.empty() && isCovered(candidates[i], cover))
         candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(i));
@@ -94,12 +91,6 @@ class Pruner final : public TreeRewriter<LeafContent> {
     for (const std::uint32_t region : candidates) result.tests.push_back(tests[region]);
     result.candidates = std::move(candidates);
     return result;
-  }
-
-  bool standsFor(std::uint32_t other, std::uint32_t region) const {
-    const bool is_fallback = region >= laws_.first_fallback;
-    if (is_fallback && other < laws_.first_fallback) return true;
-    return laws_.laws[other] == laws_.laws[region] && is_fallback == (other >= laws_.first_fallback);
   }
 
   bool isCovered(std::uint32_t region, const std::vector<const RowList*>& cover) {
@@ -112,7 +103,7 @@ class Pruner final : public TreeRewriter<LeafContent> {
 
   CellGeometry& geometry_;
   const TreeRegions& regions_;
-  const PruneRegions& laws_;
+  const std::vector<std::uint32_t>& laws_;
   double slack_;
   MemberSolver solver_;
   LeafWriter writer_;
@@ -120,8 +111,9 @@ class Pruner final : public TreeRewriter<LeafContent> {
 
 }  // namespace
 
-SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions, const PruneRegions& laws,
-                     double slack, double side_tolerance, const SearchTree& tree) {
+SearchTree pruneTree(CellGeometry& geometry, const TreeRegions& regions,
+                     const std::vector<std::uint32_t>& laws, double slack, double side_tolerance,
+                     const SearchTree& tree) {
   SearchTree pruned = Pruner(geometry, regions, laws, slack, side_tolerance, tree).run();
   pruned.worst = worstLookUp(pruned, regions);
   if (tree.tests.empty()) pruned.tests.clear();

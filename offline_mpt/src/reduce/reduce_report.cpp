@@ -36,29 +36,15 @@ std::string reduceText(const ReduceStats& stats, const MapSize& before, const Ma
                   static_cast<unsigned long long>(count.after));
     text += line;
   }
-  if (stats.merge != MergeMethod::kNone) {
-    std::snprintf(line, sizeof line,
-                  "merged                 %zu of %zu laws; %zu proven fewest, %zu greedily\n",
-                  stats.merged_laws, stats.laws, stats.optimal_laws, stats.greedy_laws);
-    text += line;
-  }
-  if (!stats.separation.empty()) text += "separation             " + stats.separation + "\n";
-  return text;
+  std::snprintf(line, sizeof line, "merged                 %zu of %zu laws\n", stats.merged_laws, stats.laws);
+  return text + line;
 }
 
 std::string reduceJson(const ReduceStats& stats, const MapSize& before, const MapSize& after, bool proven) {
   nlohmann::ordered_json json;
-  json["merge"] = toString(stats.merge);
   json["proven"] = proven;
   json["distinct_laws"] = stats.laws;
   json["merged_laws"] = stats.merged_laws;
-  json["optimal_laws"] = stats.optimal_laws;
-  json["greedy_laws"] = stats.greedy_laws;
-  json["separated"] = stats.separated;
-  json["separation"] = stats.separation;
-  json["saturated_regions"] = stats.saturated_regions;
-  json["fallback_regions"] = stats.fallback_regions;
-  json["separating_planes"] = stats.separating_planes;
   for (const Count& count : counts(before, after)) {
     json["before"][count.key] = count.before;
     json["after"][count.key] = count.after;

@@ -55,7 +55,6 @@ class Encoder {
     content.parameters = map_.parameters();
     content.inputs = map_.inputs();
     content.reduced_from = map_.checksum();
-    content.first_fallback = static_cast<std::uint32_t>(reduced_.first_fallback);
     SearchTree tree = findTree();
     content.solver_notes = "tree_depth: " + std::to_string(tree.depth) + "\n";
     moveTree(std::move(tree), content);
@@ -71,11 +70,11 @@ class Encoder {
     TreeRegions regions;
     regions.p = planes_.p;
     regions.planes = planes_.planes;
-    PruneRegions laws{{}, entries_.size()};
+    std::vector<std::uint32_t> laws;
     for (const ReducedRegion& entry : entries_) {
       regions.rows.push_back(entry.piece.rows);
       regions.centres.insert(regions.centres.end(), entry.piece.centre.begin(), entry.piece.centre.end());
-      laws.laws.push_back(entry.law);
+      laws.push_back(entry.law);
     }
     TreeOptions options;
     options.mode = options_.tree;
@@ -87,18 +86,14 @@ class Encoder {
       options.all_rows = true;
       options.node_limit = kNodesPerRegion * regions.rows.size();
     }
-    if (reduced_.first_fallback != 0) {
-      options.side_tolerance *= tolerance::kSharpSide;
-      laws.first_fallback = reduced_.first_fallback;
-    }
     CellGeometry geometry(planes_, options_.stop);
-    if (options.mode != TreeMode::kSmall || reduced_.first_fallback != 0)
+    if (options.mode != TreeMode::kSmall)
       return pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance,
                        wholeTree(regions, options));
     options.least_angle = tolerance::kCellAngle;
     GrownTree best = growTree(geometry, regions, laws, options);
     TreeRegions with_laws = regions;
-    with_laws.laws = laws.laws;
+    with_laws.laws = laws;
     GrownTree other = growTree(geometry, with_laws, laws, options);
     if (other.cost < best.cost) best = std::move(other);
     for (LawCell& cell : best.cells) entries_.push_back({std::move(cell.piece), cell.law, -1});
@@ -122,7 +117,7 @@ class Encoder {
     std::pair<std::uint64_t, std::size_t> cost;
   };
 
-  GrownTree growTree(CellGeometry& geometry, TreeRegions regions, PruneRegions laws,
+  GrownTree growTree(CellGeometry& geometry, TreeRegions regions, std::vector<std::uint32_t> laws,
                      const TreeOptions& options) const {
     GrownTree result;
     const SearchTree grown = wholeTree(regions, options);
@@ -130,9 +125,8 @@ class Encoder {
     for (const LawCell& cell : result.cells) {
       regions.rows.push_back(cell.piece.rows);
       regions.centres.insert(regions.centres.end(), cell.piece.centre.begin(), cell.piece.centre.end());
-      laws.laws.push_back(cell.law);
+      laws.push_back(cell.law);
     }
-    laws.first_fallback = laws.laws.size();
     result.tree = pruneTree(geometry, regions, laws, reduced_.slack, options.side_tolerance, result.tree);
     result.cost = {result.tree.worst, bytesRead(result.tree, regions)};
     return result;

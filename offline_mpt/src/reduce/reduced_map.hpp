@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,9 +21,8 @@ struct ReducedRegion {
 
 struct ReducedRegions {
   std::vector<ReducedRegion> regions;
-  std::size_t first_fallback = 0;  ///< 0: none
-  RowList box;                     ///< rows of the sides of the box
-  double slack = 0.0;              ///< how far outside a half-space still counts as inside [scaled]
+  RowList box;         ///< rows of the sides of the box
+  double slack = 0.0;  ///< how far outside a half-space still counts as inside [scaled]
 };
 
 /// The map of these regions, with a search tree. `planes` are the original's, then those that were added. Of `options`

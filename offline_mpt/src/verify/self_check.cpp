@@ -24,9 +24,8 @@ constexpr std::uint64_t kLeastSamples = 200;
 constexpr std::uint64_t kRegionsPerSample = 50;
 constexpr std::uint64_t kCheckSeed = 1;
 
-/// Of the regions that are no fallback.
 std::vector<Eigen::VectorXd> checkSamples(const RegionMap& map) {
-  const std::uint64_t regions = map.firstFallback();
+  const std::uint64_t regions = map.regionCount();
   const std::uint64_t count = kLeastSamples + regions / kRegionsPerSample;
   ParameterSampler sampler(map, kCheckSeed, 0);
   std::vector<Eigen::VectorXd> samples;

@@ -141,28 +141,9 @@ class Checker {
   }
 
   bool searchDiffers(const Eigen::VectorXd& theta, const Lookup& lookup) const {
-    const Lookup exhaustive = map_.locateExhaustively(theta.data());
     const bool inside = lookup.status == LookupStatus::kInside;
-    if (lookup.status != exhaustive.status || (inside && !map_.contains(lookup.region, theta.data())))
-      return true;
-    if (!inside || isFallback(lookup.region) == isFallback(exhaustive.region)) return false;
-    return difference(theta, lookup.law, exhaustive.law) > options_.tolerance;
-  }
-
-  bool isFallback(std::size_t region) const { return region >= map_.firstFallback(); }
-
-  /// Greatest difference of two laws, as a share of the input's range.
-  double difference(const Eigen::VectorXd& theta, std::uint32_t law, std::uint32_t other) const {
-    const Eigen::Index p = theta.size();
-    double worst = 0.0;
-    for (Eigen::Index i = 0; i < ranges_.size(); ++i) {
-      const double* row = map_.law(law) + i * (p + 1);
-      const double* other_row = map_.law(other) + i * (p + 1);
-      const double value = Eigen::Map<const Eigen::VectorXd>(row, p).dot(theta) + row[p];
-      const double other_value = Eigen::Map<const Eigen::VectorXd>(other_row, p).dot(theta) + other_row[p];
-      worst = std::max(worst, std::abs(value - other_value) / ranges_(i));
-    }
-    return worst;
+    return lookup.status != map_.locateExhaustively(theta.data()).status ||
+           (inside && !map_.contains(lookup.region, theta.data()));
   }
 
   bool holds(std::size_t index, const Eigen::VectorXd& theta) const {
@@ -177,15 +158,11 @@ class Checker {
     return true;
   }
 
-  // Fallback regions may lie over ordinary ones. Without the map's tolerance: beside a face a steep law of
-  // the neighbour may differ by more.
+  // Without the map's tolerance: beside a face a steep law of the neighbour may differ by more.
   void checkOverlap(const Eigen::VectorXd& theta, const SampleFinding& finding, VerifyReport& report) {
-    const std::uint32_t region = finding.lookup.region;
     const Eigen::Index p = theta.size();
     double worst = 0.0;
-    const std::size_t first = isFallback(region) ? map_.firstFallback() : 0;
-    const std::size_t end = isFallback(region) ? map_.regionCount() : map_.firstFallback();
-    for (std::size_t index = first; index < end; ++index) {
+    for (std::size_t index = 0; index < map_.regionCount(); ++index) {
       if (!holds(index, theta)) continue;
       const double* law = map_.law(map_.region(index).law);
       for (Eigen::Index i = 0; i < ranges_.size(); ++i) {

@@ -66,7 +66,6 @@ class MapValidator {
   void checkRegions() const;
   void checkLeaves() const;
   void checkTests() const;
-  void checkPriority() const;
   LookupCost checkTree() const;
 
  private:
@@ -110,6 +109,12 @@ void MapValidator::checkHeader() const {
     std::ostringstream rule;
     rule << "header: tolerance must be 0 to " << format::kMaxTolerance << ", got " << header_.tolerance;
     fail(rule.str());
+  }
+  if (header_.first_fallback != 0) {
+    fail(
+        "header: has fallback regions, which `reduce --separate` of version 0.2 wrote; reduce the original "
+        "map "
+        "again");
   }
   checkZero(offsetof(Header, reserved), offsetof(Header, sections), "the reserved bytes of the header");
 }
@@ -253,10 +258,6 @@ void MapValidator::checkRegions() const {
     if (region.law >= count(format::kLaws))
       fail(owner + ": law " + std::to_string(region.law) + " does not exist");
   }
-  if (header_.first_fallback >= count(format::kRegions)) {
-    fail("header: the first fallback region must be one of " + std::to_string(count(format::kRegions)) +
-         ", is " + std::to_string(header_.first_fallback));
-  }
   const std::int32_t* const rows = start<std::int32_t>(format::kRows);
   const auto planes = static_cast<std::int64_t>(count(format::kPlanes));
   for (std::uint64_t i = 0; i < count(format::kRows); ++i) {
@@ -278,24 +279,6 @@ void MapValidator::checkLeaves() const {
   const std::uint32_t* const candidates = start<std::uint32_t>(format::kCandidates);
   for (std::uint64_t i = 0; i < count(format::kCandidates); ++i) {
     if (candidates[i] >= count(format::kRegions)) fail(at("candidate", i) + ": region does not exist");
-  }
-  if (header_.first_fallback != 0) checkPriority();
-}
-
-/// Within a leaf ordinary regions come first.
-void MapValidator::checkPriority() const {
-  const Leaf* const leaves = start<Leaf>(format::kLeaves);
-  const std::uint32_t* const candidates = start<std::uint32_t>(format::kCandidates);
-  // Leaves may overlap: running counts keep the time linear in the size of the file.
-  std::vector<std::uint32_t> steps_back(count(format::kCandidates) + 1, 0);
-  for (std::size_t i = 1; i < count(format::kCandidates); ++i) {
-    const bool back = candidates[i - 1] >= header_.first_fallback && candidates[i] < header_.first_fallback;
-    steps_back[i] = steps_back[i - 1] + (back ? 1 : 0);
-  }
-  for (std::uint64_t i = 0; i < count(format::kLeaves); ++i) {
-    if (leaves[i].count < 2) continue;
-    if (steps_back[std::uint64_t{leaves[i].first} + leaves[i].count - 1] != steps_back[leaves[i].first])
-      fail(at("leaf", i) + ": a fallback region comes before an ordinary one");
   }
 }
 

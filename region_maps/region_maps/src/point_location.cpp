@@ -98,7 +98,7 @@ struct PointLocation {
 
   /// The first of the regions offered that holds theta; failing that, the one that theta violates least,
   /// within the tolerance. A steep law beside a sliver would be off by more than rounding if just any within
-  /// the tolerance were taken. Fallback regions, which come last, count as farther away by the handicap.
+  /// the tolerance were taken.
   struct Best {
     Lookup found{LookupStatus::kOutsidePartition};
     double least = kInfinity;
@@ -106,8 +106,7 @@ struct PointLocation {
     /// A region and its violation. True when no later one can be better.
     bool offer(const Tables& tables, std::uint32_t region, std::uint32_t tests,
                const double* theta) noexcept {
-      double beyond = violation(tables, region, tests, theta);
-      if (region >= tables.first_fallback) beyond = std::max(beyond, 0.0) + tables.handicap;
+      const double beyond = violation(tables, region, tests, theta);
       if (!(beyond < least)) return false;
       least = beyond;
       found = {LookupStatus::kInside, region, tables.regions[region].law};
@@ -167,9 +166,7 @@ struct PointLocation {
     return best.found;
   }
 
-  static LookupFunctions functions() noexcept {
-    return {locate, evaluate, locateExhaustively, contains};
-  }
+  static LookupFunctions functions() noexcept { return {locate, evaluate, locateExhaustively, contains}; }
 };
 
 }  // namespace

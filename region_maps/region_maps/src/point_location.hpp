@@ -22,9 +22,6 @@ struct LookupTables {
   /// nullptr: all rows.
   const std::uint32_t* tests = nullptr;
   double tolerance = 0.0;
-  /// Handicap of fallback regions.
-  double handicap = 0.0;
-  std::uint32_t first_fallback = 0;
   std::uint32_t root = 0;
   std::uint32_t parameters = 0;
   std::uint32_t inputs = 0;

@@ -35,7 +35,7 @@ std::vector<double> widenedBox(const std::vector<Signal>& parameters, double tol
   return box;
 }
 
-/// All but the box and the first fallback region.
+/// All but the box.
 LookupTables tablesOf(const void* data, const format::Header& header) {
   LookupTables tables;
   tables.planes = sectionStart<double>(data, header, format::kPlanes);
@@ -48,7 +48,6 @@ LookupTables tablesOf(const void* data, const format::Header& header) {
   if (header.sections[format::kTests].count != 0)
     tables.tests = sectionStart<std::uint32_t>(data, header, format::kTests);
   tables.tolerance = header.tolerance;
-  tables.handicap = format::kHandicap * header.tolerance;
   tables.root = header.root;
   tables.parameters = header.parameters;
   tables.inputs = header.inputs;
@@ -124,7 +123,6 @@ RegionMap RegionMap::load(std::unique_ptr<Loaded> loaded, std::size_t size) {
   own.active = sectionStart<std::int32_t>(data, header, format::kActive);
   own.tables = tablesOf(data, header);
   own.tables.box = own.box.data();
-  own.tables.first_fallback = static_cast<std::uint32_t>(map.firstFallback());
   own.functions = lookupFunctionsFor(header.parameters);
   return map;
 }
@@ -154,9 +152,6 @@ std::size_t RegionMap::leafCount() const noexcept { return loaded_->header.secti
 std::uint32_t RegionMap::formatVersion() const noexcept { return loaded_->header.version; }
 std::size_t RegionMap::bytes() const noexcept { return loaded_->header.file_size; }
 std::uint64_t RegionMap::checksum() const noexcept { return loaded_->header.checksum; }
-std::size_t RegionMap::firstFallback() const noexcept {
-  return loaded_->header.first_fallback != 0 ? loaded_->header.first_fallback : regionCount();
-}
 std::uint64_t RegionMap::reducedFrom() const noexcept { return loaded_->header.reduced_from; }
 
 RegionView RegionMap::region(std::size_t index) const noexcept {

@@ -93,7 +93,6 @@ std::vector<std::byte> layOut(const MapContent& content) {
   header.period = content.period;
   header.tolerance = content.tolerance;
   header.reduced_from = content.reduced_from;
-  header.first_fallback = content.first_fallback;
   std::uint64_t end = sizeof(header);
   for (std::size_t i = 0; i < format::kSectionCount; ++i) {
     header.sections[i] = {format::alignUp(end),

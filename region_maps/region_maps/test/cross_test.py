@@ -36,10 +36,12 @@ class Cross(unittest.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         tool = os.environ["OFFLINE_MPT"]
         cls.maps = [cls.folder / "lateral.map", cls.folder / "reduced.map", cls.folder / "partly.map"]
+        vertical = cls.folder / "vertical.map"
         problem = cls.folder / "partly.json"
         problem.write_text(json.dumps(PARTLY_INFEASIBLE), encoding="utf-8")
         run(tool, "solve", "--quiet", PROBLEMS / "multirotor_lateral.yaml", "-o", cls.maps[0])
-        run(tool, "reduce", "--quiet", cls.maps[0], "--separate", "-o", cls.maps[1])
+        run(tool, "solve", "--quiet", PROBLEMS / "multirotor_vertical.yaml", "-o", vertical)
+        run(tool, "reduce", "--quiet", vertical, "-o", cls.maps[1])
         run(tool, "solve", "--quiet", problem, "-o", cls.maps[2])
         program = cls.compile("native", "c++", [])
         cls.expected = [run(program, path, LOOKUPS) for path in cls.maps]

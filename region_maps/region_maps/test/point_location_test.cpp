@@ -321,50 +321,6 @@ TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
   EXPECT_EQ(region(1.0 + kGap), 1u);
 }
 
-// Two ordinary cells with a gap between them, and a fallback region over both and beyond.
-TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
-  MapContent content = makeGridMap(1, 4);  // cells [0, 1], [1, 2], [2, 3] and [3, 4]
-  constexpr double kTolerance = 1.0 / (1 << 27), kHandicap = kTolerance / 128.0, kGap = 2.0 * kHandicap;
-  content.tolerance = kTolerance;
-  content.nodes.clear();
-  content.leaves = {{0, 3}};
-  content.root = MapContent::kLeaf;
-  content.candidates = {0, 1, 2};
-  content.regions.resize(3);
-  content.first_fallback = 2;
-  // The second cell begins later.
-  content.planes.insert(content.planes.end(), {0.5, 0.5 * (1.0 + kGap)});
-  const auto late = static_cast<std::int32_t>(content.planes.size() / 2);
-  const auto set_lower = [&](std::uint32_t region, std::int32_t plane) {
-    for (std::uint32_t i = 0; i < content.regions[region].row_count; ++i) {
-      std::int32_t& row = content.rows[content.regions[region].first_row + i];
-      if (row < 0) row = -plane;
-    }
-  };
-  set_lower(1, late);
-  set_lower(2, 1);  // [0, 3]
-  content.reduced_from = 7;
-  const MadeMap made(std::move(content));
-  EXPECT_EQ(made.map.firstFallback(), 2u);
-  EXPECT_EQ(made.map.reducedFrom(), 7u);
-  const auto region = [&](double theta) {
-    const Lookup found = made.map.locate(&theta);
-    EXPECT_EQ(made.map.locateExhaustively(&theta).region, found.region);
-    EXPECT_EQ(made.map.locateExhaustively(&theta).status, found.status);
-    return found.status == LookupStatus::kInside ? static_cast<int>(found.region) : -1;
-  };
-  EXPECT_EQ(region(0.5), 0);
-  EXPECT_EQ(region(1.5), 1);
-  EXPECT_EQ(region(1.0 + 0.25 * kGap), 0) << "in the gap the nearer ordinary region answers";
-  EXPECT_EQ(region(1.0 + 0.75 * kGap), 1);
-  EXPECT_EQ(region(2.0), 1);
-  EXPECT_EQ(region(2.0 + 0.5 * kGap), 1);
-  EXPECT_EQ(region(2.0 + 2.0 * kGap), 2) << "farther away, the fallback region that holds it";
-  EXPECT_EQ(region(2.5), 2);
-  EXPECT_EQ(region(3.0 + 0.5 * kTolerance), 2);
-  EXPECT_EQ(region(3.5), -1);
-}
-
 TEST(PointLocationLeaf, AnEmptyLeafIsOutsideThePartition) {
   MapContent content = makeSmallMap();
   content.leaves[2].count = 0;

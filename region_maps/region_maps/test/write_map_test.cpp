@@ -110,10 +110,9 @@ TEST(LayOut, FollowsFormatMd) {
   EXPECT_EQ(u64(88), 0u);
   MapContent reduced = map;
   reduced.reduced_from = 0x123456789abcdefu;
-  reduced.first_fallback = 3;
   const Bytes reduced_bytes = layOut(reduced);
   EXPECT_EQ(ReferenceHash::little(reduced_bytes, 80, 8), reduced.reduced_from);
-  EXPECT_EQ(ReferenceHash::little(reduced_bytes, 88, 8), 3u);
+  EXPECT_EQ(ReferenceHash::little(reduced_bytes, 88, 8), 0u);
   const std::size_t elements[] = {u64(104), 3, 6, 4, 4, 16, map.active.size(), 3, 4, 4, 4};
   const std::size_t sizes[] = {1, 16, 24, 24, 20, 4, 4, 12, 8, 4, 4};
   std::size_t end = 272;

@@ -113,7 +113,6 @@ void checkHeader(const CheckContext& context, const WholePlanes& planes, std::ve
   };
   const std::string status(map.solverStatus());
   require(status == "complete", "the map's status is '" + status + "', not 'complete'");
-  require(map.firstFallback() == map.regionCount(), "the map has fallback regions, but was not reduced");
   require(2 * context.options.plane_tolerance <= map.tolerance(),
           "the map's tolerance is less than twice that of its planes");
   require(planes.tooRough().empty(), planes.tooRough());

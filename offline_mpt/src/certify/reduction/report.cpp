@@ -18,8 +18,8 @@ const char* verdict(const ReductionReport& report) {
 
 std::string reductionText(const ReductionReport& report) {
   std::ostringstream out;
-  out << "regions            " << report.reduced_regions << " (" << report.fallback_regions
-      << " fallback) for " << report.original_regions << " of the original\n"
+  out << "regions            " << report.reduced_regions << " for " << report.original_regions
+      << " of the original\n"
       << "looked at          " << report.cells << " parts of regions, without rounding\n"
       << "within             " << report.slack << " of half a range of each half-space\n"
       << "laws               differ by at most " << report.law_error << " from those that they stand for\n";
@@ -41,7 +41,6 @@ std::string reductionJson(const ReductionReport& report) {
   json["interrupted"] = report.interrupted;
   json["original_regions"] = report.original_regions;
   json["reduced_regions"] = report.reduced_regions;
-  json["fallback_regions"] = report.fallback_regions;
   json["flat_regions"] = report.flat_regions;
   json["cells"] = report.cells;
   json["slack"] = report.slack;

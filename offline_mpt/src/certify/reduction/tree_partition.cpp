@@ -8,7 +8,6 @@
 #include "certify/facet_cover.hpp"
 #include "certify/farkas_proof.hpp"
 #include "polyfly_base/error.hpp"
-#include "region_maps/format.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -83,11 +82,7 @@ class CellPartitioner {
 class Subtractor {
  public:
   Subtractor(const ExactMap& map, CutBy by, const RestVisit& visit, ProofWriter& log)
-      : map_(map),
-        by_(by),
-        slack_(by == CutBy::kOrdinary ? Slack::kHandicap : Slack::kFull),
-        visit_(visit),
-        log_(log) {}
+      : map_(map), by_(by), visit_(visit), log_(log) {}
 
   /// The region that holds the cell's point is cut away, row by row; if none does, the cell is divided by
   /// those that reach into it.
@@ -118,15 +113,15 @@ class Subtractor {
 
   /// What lies outside of the row is cut off, what remains is the cell.
   After cutAway(std::int32_t row, Cell& cell, const std::vector<std::uint32_t>& others) {
-    const ExactRow& outside = map_.outside(row, slack_);
+    const ExactRow& outside = map_.outside(row);
     Cell beyond, inside;
-    if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row, slack_))) {
+    if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row))) {
       beyond.rows = cell.rows;
       beyond.rows.push_back(&outside);
     } else if (cut(cell, outside, map_.p(), beyond)) {
       log_.word('s');
       if (!run(std::move(beyond), others)) return After::kStopped;
-      if (cut(cell, map_.relaxed(row, slack_), map_.p(), inside)) {
+      if (cut(cell, map_.relaxed(row), map_.p(), inside)) {
         cell = std::move(inside);
         return After::kRemains;
       }
@@ -140,14 +135,14 @@ class Subtractor {
   bool holds(std::uint32_t region, const Cell& cell) const {
     const RegionView view = map_.map().region(region);
     return std::all_of(view.rows, view.rows + view.row_count,
-                       [&](std::int32_t row) { return valueAt(map_.relaxed(row, slack_), cell.point) >= 0; });
+                       [&](std::int32_t row) { return valueAt(map_.relaxed(row), cell.point) >= 0; });
   }
 
   bool findMeeting(const Cell& cell, const std::vector<std::uint32_t>& left, std::uint32_t& region) const {
     for (const std::uint32_t candidate : left) {
       const RegionView view = map_.map().region(candidate);
       std::vector<const ExactRow*> rows = cell.rows;
-      for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i], slack_));
+      for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i]));
       std::vector<Rational> point;
       if (findInteriorFast(rows, map_.p(), point) == FastInterior::kNone) continue;
       region = candidate;
@@ -158,7 +153,6 @@ class Subtractor {
 
   const ExactMap& map_;
   CutBy by_;
-  Slack slack_;
   const RestVisit& visit_;
   ProofWriter& log_;
 };
@@ -175,10 +169,10 @@ ExactRow wholeRow(const std::vector<Rational>& value) {
   return row;
 }
 
-ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* other)
-    : ExactMap(map, full_slack, map.parameters(), other) {}
+ExactMap::ExactMap(const RegionMap& map, double slack, const ExactMap* other)
+    : ExactMap(map, slack, map.parameters(), other) {}
 
-ExactMap::ExactMap(const RegionMap& map, double full_slack, const std::vector<Signal>& ranges,
+ExactMap::ExactMap(const RegionMap& map, double slack, const std::vector<Signal>& ranges,
                    const ExactMap* other)
     : map_(map), ranges_(ranges) {
   const std::size_t width = ranges_.half.size() + 1;
@@ -191,11 +185,11 @@ ExactMap::ExactMap(const RegionMap& map, double full_slack, const std::vector<Si
     const double* const plane = map.plane(i);
     const auto found = known.find(std::vector<double>(plane, plane + width));
     rows_.push_back(found != known.end() ? other->rows_[found->second]
-                                         : std::make_shared<const PlaneRows>(makeRows(plane, full_slack)));
+                                         : std::make_shared<const PlaneRows>(makeRows(plane, slack)));
   }
 }
 
-ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) const {
+ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double slack) const {
   const std::size_t p = ranges_.centre.size();
   std::vector<Rational> below;  // c - a . theta
   Rational bound(plane[p]);
@@ -211,15 +205,10 @@ ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) c
       for (Rational& entry : value) entry = -entry;
     }
     rows[first + kRow] = wholeRow(value);
-    const auto relax = [&](double slack, Variant inside, Variant outside) {
-      std::vector<Rational> moved = value;
-      moved.back() += Rational(slack);
-      rows[first + inside] = wholeRow(moved);
-      for (Rational& entry : moved) entry = -entry;
-      rows[first + outside] = wholeRow(moved);
-    };
-    relax(full_slack, kRelaxed, kOutside);
-    relax(format::kHandicap * map_.tolerance(), kNear, kBeyond);
+    value.back() += Rational(slack);
+    rows[first + kRelaxed] = wholeRow(value);
+    for (Rational& entry : value) entry = -entry;
+    rows[first + kOutside] = wholeRow(value);
   }
   return rows;
 }

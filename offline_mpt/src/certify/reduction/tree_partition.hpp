@@ -17,42 +17,32 @@ namespace polyfly {
 
 class RegionMap;
 
-/// How far relaxed rows are moved outwards, in the measure of FORMAT.md.
-enum class Slack : std::uint8_t {
-  kFull,
-  /// The handicap of fallback regions.
-  kHandicap,
-};
-
 /// A map's half-spaces without rounding, in t, theta = centre + half .* t: row (t, 1) >= 0.
 class ExactMap {
  public:
   /// The map must outlive the object. Planes that `other`, of the same slack, tolerance and ranges, has too become
   /// its rows, so that they are known to be the same.
-  ExactMap(const RegionMap& map, double full_slack, const ExactMap* other = nullptr);
+  ExactMap(const RegionMap& map, double slack, const ExactMap* other = nullptr);
 
   /// The same where t is [-1, 1] in other ranges than the map's: lower and upper of `ranges` count.
-  ExactMap(const RegionMap& map, double full_slack, const std::vector<Signal>& ranges, const ExactMap* other);
+  ExactMap(const RegionMap& map, double slack, const std::vector<Signal>& ranges, const ExactMap* other);
 
   const ExactRow& row(std::int32_t row) const { return at(row, kRow); }
-  const ExactRow& relaxed(std::int32_t row, Slack slack) const {
-    return at(row, slack == Slack::kFull ? kRelaxed : kNear);
-  }
+  /// The row moved outwards by the slack, in the measure of FORMAT.md.
+  const ExactRow& relaxed(std::int32_t row) const { return at(row, kRelaxed); }
   /// The opposite of the relaxed row.
-  const ExactRow& outside(std::int32_t row, Slack slack) const {
-    return at(row, slack == Slack::kFull ? kOutside : kBeyond);
-  }
+  const ExactRow& outside(std::int32_t row) const { return at(row, kOutside); }
 
   const RegionMap& map() const { return map_; }
   int p() const;
   Eigen::VectorXd theta(const std::vector<Rational>& t) const;  ///< rounded
 
  private:
-  enum Variant : std::size_t { kRow, kRelaxed, kOutside, kNear, kBeyond, kVariants };
+  enum Variant : std::size_t { kRow, kRelaxed, kOutside, kVariants };
   // Variants of the row, then of its opposite.
   using PlaneRows = std::array<ExactRow, 2 * kVariants>;
   const ExactRow& at(std::int32_t row, Variant variant) const;
-  PlaneRows makeRows(const double* plane, double full_slack) const;
+  PlaneRows makeRows(const double* plane, double slack) const;
 
   const RegionMap& map_;
   ExactRanges ranges_;
@@ -124,14 +114,11 @@ bool makeCertain(const ExactMap& map, ExactCell& cell);
 using LeafVisit = std::function<bool(std::uint32_t leaf, const ExactCell& part)>;
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, ProofWriter& log);
 
-/// Whose regions cut, and how far their rows are relaxed.
+/// Whose regions cut.
 enum class CutBy : char {
-  /// Regions of the original, relaxed by the slack.
   kOriginal = 'N',
-  /// Regions of the reduced map, relaxed by the slack.
+  /// Regions of the reduced map.
   kCandidate = 'C',
-  /// Regions of the reduced map, relaxed by the handicap.
-  kOrdinary = 'O',
 };
 
 /// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,

@@ -141,20 +141,7 @@ class ReductionProof {
     Finding finding = started(reduced_, region);
     ExactCell cell;
     if (!cellOf(reduced_, region, cell)) return flat(cell, std::move(finding));
-    const auto claim = [&](const ExactCell& part) { return belongs(region, part, near, finding); };
-    if (region < reduced_.map().firstFallback()) {
-      claim(cell);
-      return finding;
-    }
-    const auto check = [&](std::uint32_t index, const ExactCell& part) {
-      const LeafView leaf = reduced_.map().leaf(index);
-      std::vector<std::uint32_t> ordinary;
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        if (leaf.candidates[i] < reduced_.map().firstFallback()) ordinary.push_back(leaf.candidates[i]);
-      }
-      return subtract(reduced_, part, ordinary, CutBy::kOrdinary, claim, finding.log);
-    };
-    dissect(reduced_, cell, check, finding.log);
+    belongs(region, cell, near, finding);
     return finding;
   }
 
@@ -184,9 +171,7 @@ class ReductionProof {
     const RegionMap& map = reduced_.map();
     for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
       const RegionView region = map.region(r);
-      const auto holds = [&](std::int32_t row) {
-        return valueAt(reduced_.relaxed(row, Slack::kFull), cell.point) >= 0;
-      };
+      const auto holds = [&](std::int32_t row) { return valueAt(reduced_.relaxed(row), cell.point) >= 0; };
       if (laws_.same(region.law, law) && std::all_of(region.rows, region.rows + region.row_count, holds))
         result.push_back(r);
     }
@@ -336,7 +321,6 @@ ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& origi
   ReductionReport report;
   report.original_regions = original.regionCount();
   report.reduced_regions = reduced.regionCount();
-  report.fallback_regions = reduced.regionCount() - reduced.firstFallback();
   report.slack = tolerance::kReductionShare * original.tolerance();
   report.law_tolerance = options.law_tolerance;
   const ReductionProof proof(reduced, original, options, report.slack);

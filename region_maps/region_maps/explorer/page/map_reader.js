@@ -41,7 +41,7 @@ function readMap(bytes) {
   return {
     p, m, region_count,
     version: u32(12), root: u32(40), tolerance: view.getFloat64(56, true), depth: u32(64),
-    reduced: u64(80) !== 0, first_fallback: u32(88) || region_count, law_count: count(kSection.laws),
+    reduced: u64(80) !== 0, law_count: count(kSection.laws),
     name: texts[0], status: texts[3],
     parameters: readSignals(texts, bounds, 0, p), inputs: readSignals(texts, bounds, p, m),
     planes: section(Float64Array, kSection.planes, p + 1), laws: section(Float64Array, kSection.laws, m * (p + 1)),

@@ -2,7 +2,6 @@
 
 // Greatest number of parameters for which the reader adds terms by halves; beyond it adds them in order.
 const kHalvedParameters = 8;
-const kHandicap = 1 / 128;
 
 function sumTerms(planes, base, theta, p, first, end) {
   if (end - first > 1) {
@@ -70,8 +69,7 @@ function locate(map, theta) {
   let least = Infinity;
   for (let i = first; i < end && !(least <= 0); ++i) {
     const region = map.candidates[i];
-    let beyond = violation(map, region, map.tests ? map.tests[i] : kAllRows, theta);
-    if (region >= map.first_fallback) beyond = Math.max(beyond, 0) + kHandicap * map.tolerance;
+    const beyond = violation(map, region, map.tests ? map.tests[i] : kAllRows, theta);
     if (beyond < least) {
       least = beyond;
       best = region;

@@ -73,8 +73,7 @@ function pointFacts(app, theta) {
   } else {
     rows.push(['cost', facts.no_cost]);
   }
-  const kind = found.region >= map.first_fallback ? 'Fallback region' : 'Region';
-  return {title: `${kind} ${found.region}`, rows, found, u};
+  return {title: `Region ${found.region}`, rows, found, u};
 }
 
 function showPoint(app, theta) {

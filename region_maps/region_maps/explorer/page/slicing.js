@@ -100,15 +100,14 @@ function cutRegion(planes, rows, window) {
   return polygon;
 }
 
-// [{region, polygon}], fallback regions first: ordinary regions are drawn over them.
+// [{region, polygon}]
 function cutMap(planes, x, y, theta) {
   planes.set(x, y, theta);
   const {map} = planes;
   const window = planes.window();
   const least_area = kLeastArea * polygonArea(window);
   const cut = [];
-  for (let i = 0; i < map.region_count; ++i) {
-    const region = (i + map.first_fallback) % map.region_count;
+  for (let region = 0; region < map.region_count; ++region) {
     const polygon = cutRegion(planes, rowsOf(map, region), window);
     if (polygon !== null && polygonArea(polygon) > least_area) cut.push({region, polygon});
   }

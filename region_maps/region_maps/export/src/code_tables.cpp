@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "polyfly_base/error.hpp"
-#include "region_maps/format.hpp"
 
 namespace polyfly {
 namespace {
@@ -91,8 +90,6 @@ std::vector<Offer> offersOf(const RegionMap& map, std::uint32_t number,
       same->tests = own->tests;
     }
   }
-  const auto is_ordinary = [&map](const Offer& offer) { return offer.region < map.firstFallback(); };
-  std::stable_partition(offers.begin(), offers.end(), is_ordinary);
   return offers;
 }
 
@@ -146,7 +143,6 @@ void fillReals(const RegionMap& map, const ExportOptions& options, CodeTables& t
   tables.box = roundedBox(widenedBox(map), type);
   if (type == ExportType::kDouble) {
     tables.tolerance = map.tolerance();
-    tables.handicap = format::kHandicap * map.tolerance();
   } else {
     tables.tolerance = floatTolerance(map, tables, kFloatTolerance * options.tolerance);
   }

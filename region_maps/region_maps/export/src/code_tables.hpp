@@ -22,8 +22,6 @@ struct CodeTables {
   /// Lower and upper bound of each parameter, widened by the tolerance, rounded outwards.
   std::vector<double> box;
   double tolerance = 0.0;  ///< [scaled]
-  /// Of doubles, what is added to the violation of a fallback region.
-  double handicap = 0.0;  ///< [scaled]
 
   std::vector<std::uint32_t> node_plane;
   /// Below and above of each node. A child that is no node is a leaf: minus the number of nodes, its index.

@@ -115,14 +115,7 @@ void addTables(Replacements& keys, const RegionMap& map, const CodeTables& table
 }
 
 /// The parts of NAME.c of doubles that search a leaf.
-void addLeastSearch(Replacements& keys, bool has_fallback, double handicap, const std::string& name) {
-  keys["handicap_table"] =
-      !has_fallback ? ""
-                    : "/* What is added to the violation of a fallback region [scaled]. */\nstatic "
-                      "const double " +
-                          name + "_handicap = " + constant(handicap, ExportType::kDouble) + ";\n";
-  keys["offer"] = has_fallback ? replaced(kFallbackTemplate, keys)
-                               : "            const double violation = " + name + "_violation(theta, i);\n\n";
+void addLeastSearch(Replacements& keys) {
   keys["least"] = replaced("        @real@ least = @most@;\n", keys);
   keys["candidate_test"] = replaced(kLeastTest, keys);
   keys["search"] = replaced(kLeastSearch, keys);
@@ -196,11 +189,10 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   keys["tree"] = has_nodes ? replaced(kTreeTemplate, keys) : "";
   keys["node_count"] = has_nodes ? "#define NODE_COUNT " + keys["nodes"] + "u\n" : "";
   keys["descent"] = has_nodes ? replaced(kDescentTemplate, keys) : "";
-  keys["first_fallback"] = std::to_string(map.firstFallback());
   if (options.type == ExportType::kDouble) {
-    addLeastSearch(keys, map.firstFallback() != map.regionCount(), tables.handicap, options.name);
+    addLeastSearch(keys);
   } else {
-    keys["handicap_table"] = keys["least"] = "";
+    keys["least"] = "";
     keys["candidate_test"] = replaced(kFirstTest, keys);
     keys["search"] = replaced(kFirstSearch, keys);
   }

@@ -33,12 +33,10 @@ inline constexpr char kSourceTemplate[] =
 #define INPUT_COUNT @m@u
 #define REGION_COUNT @regions@u
 #define ROOT @root@u
-/* Regions from this one on count where no other does. */
-#define FIRST_FALLBACK @first_fallback@u
 @node_count@
 /* Greatest violation at which a half-space still counts as held [scaled]. */
 static const @real@ @name@_tolerance = @tolerance@;
-@handicap_table@
+
 /* Lower and upper bound of each parameter. */
 static const @real@ @name@_box[@p@][2] @NAME@_TABLE = @box@;
 
@@ -179,7 +177,9 @@ inline constexpr char kLeastSearch[] =
     R"code(        /* The first candidate without a violation, or else the one with the least. */
         for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
             const @index@ number = @candidate_region_read@(@name@_candidate_region[i]);
-@offer@            if (violation < least) {
+            const @real@ violation = @name@_violation(theta, i);
+
+            if (violation < least) {
                 least = violation;
                 *region = (uint32_t)number;
                 status = @NAME@_OK;
@@ -225,16 +225,6 @@ inline constexpr char kFirstSearch[] =
                 break;
             }
         }
-)code";
-
-/// What a candidate counts, in a map with fallback regions.
-inline constexpr char kFallbackTemplate[] =
-    R"code(            @real@ violation = @name@_violation(theta, i);
-
-            /* A fallback region counts where no other does. */
-            if (number >= FIRST_FALLBACK) {
-                violation = ((violation > @zero@) ? violation : @zero@) + @name@_handicap;
-            }
 )code";
 
 /// A loop, where the map has too many parameters to write the sum out.

@@ -20,8 +20,6 @@ constexpr std::size_t kAlignment = 64;  ///< [bytes]
 constexpr std::uint32_t kMaxSignals = 256;
 /// Greatest tolerance that readers accept. `solve` writes this one.
 constexpr double kMaxTolerance = 1e-8;  ///< [scaled]
-/// Handicap of fallback regions, in tolerances.
-constexpr double kHandicap = 1.0 / 128.0;
 /// Greatest number of elements of a section, text excepted.
 constexpr std::uint64_t kMaxElements = 0x7fffffffu;
 
@@ -64,6 +62,7 @@ struct Header {
   std::uint32_t region_checks;
   std::uint64_t multiply_adds;
   std::uint64_t reduced_from;
+  /// Always 0. Otherwise a map of version 0.2 with fallback regions, which are no more.
   std::uint32_t first_fallback;
   unsigned char reserved[4];
   SectionEntry sections[kSectionCount];

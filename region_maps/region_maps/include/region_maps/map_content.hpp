@@ -71,8 +71,6 @@ struct MapContent {
   std::vector<std::int32_t> rows;
   /// Active sets (row indices of the program), concatenated.
   std::vector<std::int32_t> active;
-  /// Regions from here on count only where no region before does. 0: all count.
-  std::uint32_t first_fallback = 0;
   /// Checksum of the map that this one was reduced from. 0: none.
   std::uint64_t reduced_from = 0;
   /// The root as a child: node index, or leaf index with kLeaf set.

@@ -85,9 +85,6 @@ class RegionMap {
   /// Checksum of the whole file, as in its header.
   std::uint64_t checksum() const noexcept;
 
-  /// Regions from this one on are fallback regions: they count only where no region before it does.
-  /// regionCount() where there are none.
-  std::size_t firstFallback() const noexcept;
   /// Checksum of the map that this one was reduced from, or 0.
   std::uint64_t reducedFrom() const noexcept;
 

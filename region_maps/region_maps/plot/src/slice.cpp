@@ -122,10 +122,7 @@ Slice slice(const RegionMap& map, const SliceRequest& request) {
   cut.y_range = window(map, cut.y, request.y_window);
   const auto& [left, right] = cut.x_range;
   const auto& [low, high] = cut.y_range;
-  // Fallback regions lie below the ordinary ones, which have priority.
-  const std::size_t count = map.regionCount(), fallbacks = count - map.firstFallback();
-  for (std::size_t place = 0; place < count; ++place) {
-    const std::size_t index = place < fallbacks ? map.firstFallback() + place : place - fallbacks;
+  for (std::size_t index = 0; index < map.regionCount(); ++index) {
     const RegionView region = map.region(index);
     Ring ring = cutRegion(map, cut, region);
     if (area(ring) < 4.0 * kLeastArea) {

@@ -16,8 +16,7 @@ class RegionMap;
 /// of a reduced map may overlap; of its planes those count beyond which no region lies.
 class NearestFeasible {
  public:
-  /// Parameters with `movable` set may differ from what is asked for. Throws Error where the map has fallback regions,
-  /// because those overlap others.
+  /// Parameters with `movable` set may differ from what is asked for.
   NearestFeasible(const RegionMap& map, const std::vector<bool>& movable);
 
   /// Writes the nearest point whose other parameters are those of `theta`, or where there is none, the nearest one

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <limits>
 
-#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -133,11 +132,6 @@ HalfSpaces withoutInnerPlanes(const RegionMap& map, const HalfSpaces& found,
 }  // namespace
 
 NearestFeasible::NearestFeasible(const RegionMap& map, const std::vector<bool>& movable) : movable_(movable) {
-  if (map.firstFallback() < map.regionCount()) {
-    throw Error(map.path() +
-                ": regions: a robust law needs a map without fallback regions, as reduce writes it without "
-                "--separate");
-  }
   for (const Signal& signal : map.parameters()) {
     middle_.push_back(0.5 * (signal.lower + signal.upper));
     half_.push_back(0.5 * (signal.upper - signal.lower));
