@@ -42,8 +42,6 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
                                                  {"diff"},
                                                  {"analyze"},
                                                  {"bounds"},
-                                                 {"set", "volume"},
-                                                 {"set", "project"},
                                                  {"set", "invariant"}}) {
     Words help = command;
     help.emplace_back("--help");
