@@ -6,14 +6,13 @@
 
 #include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
+#include "tree/cell.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr std::size_t kPoints = 64;  // extreme points kept for each piece
 constexpr int kCuts = 3000;          // cells that a question may be cut into
-
-std::size_t planeOf(std::int32_t row) { return static_cast<std::size_t>(std::abs(row)) - 1; }
 
 }  // namespace
 
@@ -150,32 +149,38 @@ RowList CellGeometry::minimal(const ConvexCell& piece) {
 }
 
 bool CellGeometry::covered(const ConvexCell& piece, const std::vector<const RowList*>& cover, double slack) {
+  throwIfStopped();
   cuts_left_ = kCuts;
   std::vector<double> cell;
   for (const std::int32_t row : piece.rows) planes_.append(row, 0.0, cell);
-  return coverCell(cell, piece.centre, cover, slack);
+  RowList held = piece.rows;
+  return coverCell(cell, held, piece.centre, cover, slack);
 }
 
 // The part of the cell that lies outside one polytope is cut off row by row and must be covered by the
 // others.
-bool CellGeometry::coverCell(std::vector<double>& cell, std::vector<double> centre,
+bool CellGeometry::coverCell(std::vector<double>& cell, RowList& held, std::vector<double> centre,
                              const std::vector<const RowList*>& cover, double slack) {
   const auto found = std::find_if(cover.begin(), cover.end(),
                                   [&](const RowList* rows) { return holds(*rows, centre.data(), slack); });
   if (found == cover.end() || --cuts_left_ < 0) return false;
   const std::vector<double> start = centre;
-  const std::size_t size = cell.size();
+  const std::size_t size = cell.size(), held_size = held.size();
   for (const std::int32_t row : **found) {
+    if (std::find(held.begin(), held.end(), row) != held.end()) continue;
     const std::size_t end = cell.size();
     planes_.append(-row, -slack, cell);
     centre = start;
     const bool cuts = ball(cell, centre.data()) > tolerance::kNoRest;
-    if (cuts && !coverCell(cell, centre, cover, slack)) return false;
+    held.push_back(-row);
+    if (cuts && !coverCell(cell, held, centre, cover, slack)) return false;
+    held.back() = row;
     cell.resize(end);
     // A row that cuts nothing off would only lengthen the programs that follow.
     if (cuts) planes_.append(row, slack, cell);
   }
   cell.resize(size);
+  held.resize(held_size);
   return true;
 }
 

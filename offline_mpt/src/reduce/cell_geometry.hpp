@@ -46,7 +46,7 @@ struct ReductionStopped {};
 /// refused (verify_reduction.hpp). One object serves one thread.
 class CellGeometry {
  public:
-  /// `planes` and `stop` must outlive the object. Where `stop` is set, linear programs throw ReductionStopped.
+  /// `planes` and `stop` must outlive the object. Where `stop` is set, questions throw ReductionStopped.
   explicit CellGeometry(const ScaledPlanes& planes, const std::atomic<bool>* stop = nullptr);
 
   /// Fills centre and radius from the rows. A piece that the simplex fails on gets radius 0.
@@ -72,7 +72,8 @@ class CellGeometry {
   const ScaledPlanes& planes() const { return planes_; }
 
  private:
-  bool coverCell(std::vector<double>& cell, std::vector<double> centre,
+  /// `held` are the rows that hold in the cell within `slack`, or beyond it where they are negated.
+  bool coverCell(std::vector<double>& cell, RowList& held, std::vector<double> centre,
                  const std::vector<const RowList*>& cover, double slack);
   /// Radius of the largest ball in rows (p + 1 numbers each) and box; `centre` is a guess and receives the
   /// centre. 0 when the simplex failed.
