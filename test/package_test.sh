@@ -14,6 +14,7 @@ root=$(mktemp -d)
 trap 'rm -rf --one-file-system "$root"' EXIT
 debootstrap --variant=minbase "$VERSION_CODENAME" "$root"
 cp /etc/resolv.conf "$root/etc/"
+echo "127.0.0.1 localhost $(hostname)" > "$root/etc/hosts"
 mkdir "$root/srv/polyfly"
 cp "$packages"/*.deb "$packages/Packages" "$here/package_job.sh" "$root/srv/polyfly/"
 echo "deb [trusted=yes] file:/srv/polyfly ./" > "$root/etc/apt/sources.list.d/polyfly.list"
