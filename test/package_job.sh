@@ -20,7 +20,10 @@ echo "0.5,-0.2,0,0,0" > thetas.csv
 by_tool=$(offline_mpt eval multirotor_lateral.map --csv thetas.csv)
 
 get polyfly-ros gnuplot-nox
-timeout --signal=INT --kill-after=10 300 roslaunch --port="$port" polyfly_launch demo.launch maps_dir:="$PWD" bag:="$PWD/flight.bag"
+for nodelets in false true; do
+  timeout --signal=INT --kill-after=10 300 roslaunch --port="$port" polyfly_launch demo.launch \
+    maps_dir:="$PWD" bag:="$PWD/flight.bag" nodelets:="$nodelets"
+done
 validate_bag --bag flight.bag --map multirotor_*.map --options /usr/share/polyfly_launch/config/firefly.yaml --report report
 test -s report/index.html
 excite --plan /usr/share/polyfly_launch/config/excitation.yaml > /dev/null

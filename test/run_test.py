@@ -297,13 +297,106 @@ class Workspace(unittest.TestCase):
         names = {"launch": "polyfly_launch", "test": "polyfly_test"}
         self.assertEqual(sorted(linked), sorted(names.get(name, name) for name in found))
 
+
+class Version(unittest.TestCase):
+    """What repeats the version of the project, the versions of files, and who publishes them."""
+
+    @staticmethod
+    def text(*parts):
+        with open(os.path.join(ROOT, *parts)) as file:
+            return file.read()
+
+    def find(self, pattern, *parts):
+        found = re.search(pattern, self.text(*parts), re.MULTILINE)
+        self.assertTrue(found, f"{pattern} in {parts}")
+        return found.group(1)
+
+    def setUp(self):
+        self.version = self.find(r'kVersion\[\] = "([0-9.]+)"', "catkin_ws", "src", "polyfly_base", "include", "polyfly_base",
+                                 "version.hpp")
+
     def test_manifests_have_the_version_of_the_project(self):
-        with open(os.path.join(ROOT, "region_maps", "polyfly_base", "include", "polyfly_base", "version.hpp")) as file:
-            version = re.search(r'kVersion\[\] = "([0-9.]+)"', file.read()).group(1)
         packages = set(os.listdir(os.path.join(ROOT, "catkin_ws", "src"))) - {"CMakeLists.txt"}
         for name in packages - {"mav_msgs", "mavros_msgs"}:  # these have the version of what they restate
             package = xml.parse(os.path.join(ROOT, "catkin_ws", "src", name, "package.xml")).getroot()
-            self.assertEqual(package.findtext("version"), version, name)
+            self.assertEqual(package.findtext("version"), self.version, name)
+
+    def test_packages_citation_and_changes_have_it_too(self):
+        self.assertEqual(self.version, self.find(r"^polyfly \(([0-9.]+)\)", "debian", "changelog"))
+        self.assertEqual(self.version, self.find(r"^version: (.*)$", "CITATION.cff"))
+        self.assertEqual(self.version, self.find(r"^## (.*)$", "CHANGELOG.md"))
+        minor = self.version.rpartition(".")[0]
+        self.assertEqual(minor, self.find(r"find_package\(polyfly ([0-9.]+)", "test", "examples", "CMakeLists.txt"))
+        self.assertEqual(minor, self.find(r"^\| file \| ([0-9.]+) writes", "README.md"))
+
+    def test_the_table_of_files_has_the_versions_of_the_code(self):
+        source = os.path.join("catkin_ws", "src")
+        format_file = os.path.join(source, "region_maps", "include", "region_maps", "format.hpp")
+        versions = {"region map": self.find(r" kVersion = (\d+);", format_file)}
+        for name, title, path in (("a map", "certificate", "core/certificate.hpp"), ("a reduction", "reduction certificate", "reduction.cpp"),
+                                  ("a robust map", "robust certificate", "robust/robust_certificate.hpp")):
+            versions["certificate of " + name] = self.find(rf'"polyfly {title} (\d+)"', source, "offline_mpt", "checker", path)
+        for name, written in versions.items():
+            self.assertEqual(written, self.find(rf"^\| {name} \| (\d+) \|", "README.md"), name)
+        first = self.find(r" kFirstVersion = (\d+);", format_file)
+        self.assertEqual(f"{first}, {versions['region map']}", self.find(r"^\| region map \| \d+ \| (.*) \|$", "README.md"))
+
+
+class Packages(TreeCase):
+    """The parts of ./run package that need no build."""
+
+    def copy_with(self, maintainer):
+        shutil.copytree(os.path.join(ROOT, "debian"), self.path("debian"), dirs_exist_ok=True)
+        with open(self.path("debian", "maintainer"), "a") as file:
+            file.write(maintainer)
+        os.makedirs(self.path("launch"), exist_ok=True)
+        os.makedirs(self.path("catkin_ws", "src"), exist_ok=True)
+        shutil.copy(os.path.join(ROOT, "catkin_ws", "src", "polyfly_launch", "package.xml"), self.path("launch"))
+        os.symlink("../../launch", self.path("catkin_ws", "src", "polyfly_launch"))
+        script = "root=$PWD; . catkin_ws/scripts/common.sh; . catkin_ws/scripts/package.sh; copySources; maintainer"
+        printed = subprocess.run(["bash", "-euc", script], cwd=self.tree, check=True, capture_output=True, text=True).stdout
+        texts = []
+        for name in ("debian/control", "debian/changelog", "launch/package.xml"):
+            with open(self.path("build", "packages", "source", name)) as file:
+                texts.append(file.read())
+        return printed, texts
+
+    def test_without_a_publisher_the_placeholder_stays(self):
+        printed, texts = self.copy_with("")
+        self.assertEqual("", printed)
+        for text in texts:
+            self.assertIn("polyfly@example.org", text)
+
+    def test_the_publisher_is_written_once(self):
+        printed, texts = self.copy_with("A. Publisher/Co <a@b.example>\n")
+        self.assertEqual("A. Publisher/Co <a@b.example>\n", printed)
+        for text in texts:
+            self.assertNotIn("polyfly@example.org", text)
+            self.assertIn("A. Publisher/Co", text)
+            self.assertIn("a@b.example", text)
+
+
+    def test_without_root_or_debootstrap_no_clean_root_is_tried(self):
+        for user, reason in (("1000", "that needs root"), ("0", "there is no debootstrap")):
+            result = subprocess.run([os.path.join(ROOT, "test", "package_test.sh"), self.tree], capture_output=True, text=True,
+                                    env={"PATH": "/usr/bin:/bin", "BASH_FUNC_id%%": f"() {{ echo {user}; }}"})
+            self.assertEqual(0, result.returncode, result.stderr)
+            self.assertEqual(f"skipped: the packages were not tried in a clean root: {reason}\n", result.stdout)
+
+
+class Completion(unittest.TestCase):
+    def complete(self, *words):
+        tool = """tool() { case "$*" in --help) printf 'A tool.\\n\\nOptions:\\n  -h,--help  Help\\n\\nSubcommands:\\n  solve  S\\n  set  T\\n';;
+          "solve --help") printf 'Solve.\\n\\nOptions:\\n  -h,--help  Help\\n  -o,--output TEXT  File\\n  --time-limit N  As --output-not\\n';; esac; }"""
+        words = " ".join(f"'{word}'" for word in words)
+        script = f'{tool}\n. debian/complete.bash; COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _polyfly; echo "${{COMPREPLY[*]}}"'
+        return subprocess.run(["bash", "-uc", script], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split()
+
+    def test_subcommands_and_their_options(self):
+        self.assertEqual(["solve", "set"], self.complete("tool", ""))
+        self.assertEqual(["solve"], self.complete("tool", "so"))
+        self.assertEqual(["--help", "--output", "--time-limit"], self.complete("tool", "solve", "file", "--"))
+        self.assertEqual([], self.complete("tool", "solve", "file"))
 
 
 class Tidy(TreeCase):
