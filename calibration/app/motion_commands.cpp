@@ -91,7 +91,6 @@ std::vector<Motion> motions(const MotionFlights& flights, MotionOptions options)
 
 // What the page draws of the whole record.
 std::vector<std::string> drawnSignals(const std::string& kind) {
-  if (kind == "wind") return {"vn", "ve", "airspeed"};
   if (kind == "thrust") return {"thrust_cmd"};
   return {"vx", "vy", "vz"};
 }
@@ -165,21 +164,6 @@ void findThrust(const MotionFlights& flights, const MotionArguments& arguments,
   calibration->curve = std::move(fit.curve);
   calibration->flights = std::move(fit.flights);
   keep(static_cast<MotionFit&&>(fit), calibration);
-}
-
-void findWind(const MotionFlights& flights, const MotionArguments&, MotionCalibration* calibration) {
-  if (flights.several()) throw Error("wind: takes one log: each flight has a wind of its own");
-  WindFit wind = fitWind(flights.joint, flights.windows);
-  calibration->north = std::move(wind.north);
-  calibration->east = std::move(wind.east);
-  keep(std::move(wind), calibration);
-}
-
-void findHeading(const MotionFlights& flights, const MotionArguments& arguments,
-                 MotionCalibration* calibration) {
-  if (flights.several())
-    throw Error("heading: takes one log: attitude and motion are aligned anew for each flight");
-  keep(fitHeading(jointMotion(flights, arguments.motion)), calibration);
 }
 
 void declareMotion(CLI::App& command, MotionArguments& arguments) {
@@ -271,15 +255,6 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareDrag(*command, *mass);
 
   addThrust(app, result);
-
-  const auto heading = std::make_shared<MotionArguments>();
-  command = add(app, "heading", "Identify the angle between the motion and the heading of the attitude.",
-                result, findHeading, heading);
-  declareMotion(*command, *heading);
-  declareMass(*command, *heading);
-
-  add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
-      std::make_shared<MotionArguments>());
 }
 
 }  // namespace polyfly

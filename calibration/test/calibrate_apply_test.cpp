@@ -85,8 +85,7 @@ TEST_F(CalibrateTool, EveryKindThatIsWrittenIsRead) {
   writeFlight({}, 3, "c.csv");
   const std::string source = SOURCE_FOLDER;
   for (const std::string logs : {" all0.csv", " all0.csv all1.csv all2.csv"}) {
-    for (const std::string kind : {"drag", "mass", "wind", "heading", "disturbance"}) {
-      if (logs.size() > 10 && (kind == "wind" || kind == "heading")) continue;
+    for (const std::string kind : {"drag", "mass", "disturbance"}) {
       ASSERT_EQ(run(kind + logs + " -o " + kind + ".yaml --quiet"), 0) << err();
       run("apply " + kind + ".yaml --problem " + source +
           "/region_maps/problems/multirotor_lateral.yaml -o out.yaml");

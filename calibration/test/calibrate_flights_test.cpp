@@ -73,8 +73,6 @@ TEST_F(CalibrateTool, RefusesFlightsOfTwoKindsOfVehicle) {
   EXPECT_NE(out().find("slow.csv: roll is not identified: the log has no roll_cmd"), std::string::npos)
       << out();
   EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
-  EXPECT_EQ(run("heading slow.csv fast.csv --vehicle multirotor"), 2);
-  EXPECT_NE(err().find("heading: takes one log"), std::string::npos) << err();
 }
 
 TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
@@ -182,8 +180,6 @@ TEST_F(CalibrateTool, TellsWhatIsWrongWithSeveralFlights) {
   fs::copy_file(folder_ / "flight.csv", folder_ / "copy.csv");
   EXPECT_EQ(run("attitude flight.csv copy.csv"), 2);
   EXPECT_NE(err().find("copy.csv: is the same flight as flight.csv"), std::string::npos) << err();
-  EXPECT_EQ(run("wind flight.csv still.csv"), 2);
-  EXPECT_NE(err().find("takes one log"), std::string::npos) << err();
   EXPECT_EQ(run("attitude flight.csv still.csv --window 3:1:2"), 2);
   EXPECT_NE(err().find("must be that of a log, 1 to 2"), std::string::npos) << err();
   EXPECT_EQ(run("attitude flight.csv still.csv -o still.csv"), 2);

@@ -139,12 +139,6 @@ void putThrustCurve(const CalibrationDocument& calibration, YamlEdits* edits) {
   edits->putNumber("vehicle", "mass", mass);
 }
 
-void putHeading(const CalibrationDocument& calibration, YamlEdits* edits) {
-  edits->putNumber(
-      "vehicle", "heading_misalignment",
-      calibration.nonzeroParameter("heading_misalignment", "the headings agree, nothing is to be corrected"));
-}
-
 // Whether the guidance predicts over a delay: then its model may hold one.
 bool compensatesDelay(const YamlEdits& edits) {
   const YAML::Node& root = edits.root();
@@ -162,10 +156,6 @@ void putRollLoop(const CalibrationDocument& calibration, YamlEdits* edits) {
   for (const char* key : {"a0", "a1", "b0"})
     edits->putNumber("model", key, calibration.supportedAbove0(place, key, ""));
   if (delayed) edits->putNumber("guidance", "delay", calibration.supported(place, "delay"));
-  // A flight that does not show the greatest rate says nothing against the one that is stated.
-  const std::vector<std::string> rate = {"axes", "roll", "greatest_rate"};
-  if (calibration.has(rate) && calibration.at(rate).at("supported").text() == "true")
-    edits->putNumber("model", "roll_rate_max", calibration.supportedAbove0(rate, "value", ""));
 }
 
 void putProvenance(const std::string& text, YamlEdits* edits) {
@@ -191,7 +181,6 @@ AppliedOptions applyToOptions(const std::string& options, const std::string& sou
     if (kind == "drag" && !wing) putRotorDrag(calibration, &edits);
     if (kind == "mass" && !wing) putMass(calibration, &edits);
     if (kind == "thrust" && !wing) putThrustCurve(calibration, &edits);
-    if (kind == "heading" && !wing) putHeading(calibration, &edits);
     const std::vector<std::string> fields = edits.takeFields();
     if (fields.empty())
       throw Error(file.source + ": kind " + kind + ": has nothing for the options of " + source);

@@ -125,21 +125,11 @@ void writeModels(const AxisModel& axis, std::ostream& out) {
       << "  # where the model holds 9.8066 m/s^2\n";
 }
 
-void writeGreatestRate(const GreatestRate& rate, std::ostream& out) {
-  out << "    greatest_rate:  # model/roll_rate_max of a fixed wing [rad/s]\n      value: "
-      << yamlNumber(rate.value) << "\n      interval_95: [" << yamlNumber(rate.value - rate.half_width)
-      << ", " << yamlNumber(rate.value + rate.half_width) << "]\n      moves: " << rate.moves.size()
-      << "\n      supported: " << (rate.supported() ? "true" : "false")
-      << "\n      reasons:" << (rate.supported() ? " []" : "") << "\n";
-  for (const std::string& sentence : rate.reasons) out << "        - " << yamlString(sentence) << "\n";
-}
-
 void writeAxis(const AxisModel& axis, std::ostream& out) {
   out << "  " << axis.axis << ":\n    unit: " << yamlString(axis.unit) << "\n";
   out << "    supported: " << (axis.supported ? "true" : "false")
       << "  # that of the model which problem files take\n";
   writeModels(axis, out);
-  if (axis.greatest_rate) writeGreatestRate(*axis.greatest_rate, out);
   writeFlights(axis, out);
   if (axis.flights.empty()) {
     out << "    windows: ";
@@ -221,14 +211,6 @@ std::string usedRow(const AxisModel& axis) {
   return text;
 }
 
-std::string rateRow(const AxisModel& axis) {
-  const GreatestRate& rate = *axis.greatest_rate;
-  if (!rate.supported())
-    return "  greatest rate: not supported by this flight. " + rate.reasons.front() + "\n";
-  return "  greatest rate " + valueText(rate.value, rate.half_width) + " " + axis.unit + "/s, in " +
-         std::to_string(rate.moves.size()) + " moves\n";
-}
-
 }  // namespace
 
 std::vector<std::string> leftOutClauses(const AxisModel& axis) {
@@ -271,7 +253,6 @@ std::string toText(const AttitudeCalibration& calibration) {
         << row("lag alone", axis.without_delay);
     for (const ControllerModel& model : axis.controller_models) out << controllerRow(model);
     out << usedRow(axis);
-    if (axis.greatest_rate) out << rateRow(axis);
     if (axis.validation) {
       char text[128];
       std::snprintf(text, sizeof text,

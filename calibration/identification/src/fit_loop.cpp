@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "command_quantum.hpp"
 #include "fit_uncertainty.hpp"
 #include "linear_part.hpp"
 #include "polyfly_base/error.hpp"
@@ -122,7 +121,7 @@ void nameParameters(bool with_delay, LoopFit* fit) {
   list.push_back({"offset", "", fit->offset});
 }
 
-void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, double rounding, LoopFit* fit) {
+void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, LoopFit* fit) {
   nameParameters(with_delay, fit);
   const Eigen::VectorXd residuals = part.residuals();
   const Eigen::MatrixXd gradient = jacobian(part, fit->shape, delay_free);
@@ -130,7 +129,6 @@ void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, double r
   const RobustCovariance robust =
       robustCovariance(gradient, residuals, fit->residual_scale, part.starts(), leading);
   Eigen::MatrixXd covariance = robust.covariance;
-  covariance(0, 0) += fit->gain * fit->gain * rounding;
   if (fit->shape.order == LoopOrder::kSecond) {
     const Eigen::MatrixXd transform = secondOrderTransform(*fit, leading);
     covariance = transform * covariance * transform.transpose();
@@ -196,8 +194,7 @@ LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& opti
   fit.samples = static_cast<std::size_t>(part.samples());
   fit.fit_percent = fitPercent(part.response(), part.model());
   fit.prediction = split(part.model(), part.starts());
-  const double rounding = gainVarianceOfRounding(segments, commandQuantum(segments));
-  addUncertainty(part, !space.delayAtBound(best), options.with_delay, rounding, &fit);
+  addUncertainty(part, !space.delayAtBound(best), options.with_delay, &fit);
   return fit;
 }
 

@@ -13,11 +13,6 @@
 namespace polyfly {
 namespace {
 
-// Greatest frequency of the measured frequency response [Hz].
-constexpr double kGreatestFrequency = 5.0;
-constexpr int kFrequencyPoints = 60;
-constexpr double kLongestBlock = 8.0;   // [s]
-constexpr double kShortestBlock = 2.0;  // [s]
 // Least length of a half for a fit [s].
 constexpr double kLeastHalf = 2.0;
 
@@ -140,21 +135,6 @@ void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
     model->controller_models.push_back({kModels[i].key, kModels[i].title, std::move(fits[i]), {}, {}});
 }
 
-double blockLength(const std::vector<LoopSegment>& segments) {
-  double longest = 0.0;
-  for (const LoopSegment& segment : segments) longest = std::max(longest, segment.duration());
-  return std::clamp(0.4 * longest, kShortestBlock, kLongestBlock);
-}
-
-// What is flown at the greatest rate, if there is one.
-std::vector<RejectedWindow> atGreatestRate(const AxisModel& model, const std::vector<LoopSegment>& segments) {
-  std::vector<RejectedWindow> found;
-  if (!model.greatest_rate || !model.greatest_rate->supported()) return found;
-  for (const TimeWindow& stretch : stretchesAt(*model.greatest_rate, segments))
-    found.push_back({stretch, "the rate is at its limit"});
-  return found;
-}
-
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
                               const IdentifyOptions& options, ExcitationChoice* choice) {
   *choice = chooseExcitation(record, options.excitation);
@@ -175,10 +155,7 @@ std::vector<LoopSegment> validationSegments(const AxisRecords& records, const Lo
   const std::vector<LoopSegment> all = cutSegments(clean, chosen, options.fit.delay_greatest);
   const std::string where = clean.source + ": " + model.axis + ": ";
   if (all.empty()) throw Error(where + "nothing to validate on" + whyUnusable(records.validation->response));
-  std::vector<LoopSegment> rest =
-      cutSegments(clean, windowsWithout(chosen, atGreatestRate(model, all)), options.fit.delay_greatest);
-  if (rest.empty()) throw Error(where + "nothing to validate on: the response moves at its greatest rate");
-  return rest;
+  return all;
 }
 
 }  // namespace
@@ -237,25 +214,8 @@ AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& optio
   return model;
 }
 
-void leaveOutGreatestRate(const FitOptions& fit, const std::vector<AxisModel*>& flights) {
-  std::vector<std::vector<LoopSegment>> segments;
-  for (const AxisModel* flight : flights) segments.push_back(flight->segments);
-  const GreatestRate rate = greatestRate(loopRates(segments));
-  for (AxisModel* flight : flights) {
-    flight->greatest_rate = rate;
-    std::vector<RejectedWindow> left_out = atGreatestRate(*flight, flight->segments);
-    if (left_out.empty()) continue;
-    flight->choice.windows = windowsWithout(flight->choice.windows, left_out);
-    flight->segments = cutSegments(flight->record, flight->choice.windows, fit.delay_greatest);
-    for (RejectedWindow& one : left_out) flight->choice.rejected.push_back(std::move(one));
-  }
-}
-
 void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisModel* model) {
   const std::string where = model->source + ": " + model->axis + ": ";
-  if (model->segments.empty())
-    throw Error(where +
-                "the response moves at its greatest rate in all that was chosen: fly smaller steps too");
   FitOptions fit = options.fit;
   fit.order = LoopOrder::kFirst;
   fit.with_delay = true;
@@ -273,8 +233,6 @@ void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisMod
     takeValidation(validateByHalves(model->record, model->segments, fit, model->controller_models.size()),
                    model);
   }
-  model->frequency_response = measureFrequencyResponse(model->segments, blockLength(model->segments),
-                                                       kGreatestFrequency, kFrequencyPoints);
   model->lead = leadOf(model->with_delay, model->segments, fit);
   model->warnings = diagnose(*model, records, fit);
   judgeModels(fit, model);
@@ -282,7 +240,6 @@ void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisMod
 
 AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model = chooseWindows(records, options);
-  if (options.second_order) leaveOutGreatestRate(options.fit, {&model});
   fitAxis(records, options, &model);
   return model;
 }

@@ -10,7 +10,6 @@
 namespace polyfly {
 namespace {
 
-constexpr double kHalfTurn = 3.14159265358979323846;  // [rad]
 const char* const kMotionAxes[] = {"x", "y", "z"};
 // Least root mean square of velocity [m/s] and of acceleration [m/s^2].
 constexpr double kLeastMotion = 0.1;
@@ -20,14 +19,6 @@ constexpr double kLeastExpected = 0.1;
 constexpr double kLeastCorrelation = 0.5;
 // Greatest half width of a confidence interval [1/s].
 constexpr double kVagueDrag = 0.1;
-// Greatest half width of the interval of a heading misalignment [rad].
-constexpr double kVagueHeading = 0.05;
-// Misalignment of the heading from which on commands go astray: 2 degrees [rad].
-constexpr double kGreatestMisalignment = 0.035;
-// Greatest difference of the misalignments of the two halves of a flight, beyond their intervals [rad].
-constexpr double kHeadingDrift = 0.02;
-// Acceleration by what the tilt makes expect: beyond these, the two are not of one vehicle.
-constexpr double kLeastHeadingScale = 0.5, kGreatestHeadingScale = 2.0;
 // Greatest half width of a confidence interval, relative to the value.
 constexpr double kVagueShare = 0.3;
 
@@ -191,106 +182,6 @@ MotionFit fitDrag(const Motion& motion) {
     result.traces.push_back(std::move(trace));
   }
   fitRotorDrag(motion, sound, &result);
-  return result;
-}
-
-namespace {
-
-// The angle, and what it was found with.
-struct HeadingFit {
-  FittedParameter angle;
-  double scale = 0.0;  // of the acceleration, by what the tilt makes expect
-  double tilt = 0.0;   // root mean square of the horizontal thrust [m/s^2]
-  Eigen::VectorXd modelled;
-};
-
-HeadingFit findHeading(const Motion& motion) {
-  const Eigen::Index rows = motion.velocity.rows();
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * rows, 5);
-  columns.col(0) << motion.expected.col(0), motion.expected.col(1);
-  columns.col(1) << -motion.expected.col(1), motion.expected.col(0);
-  columns.col(2) << -motion.velocity.col(0), -motion.velocity.col(1);
-  columns.col(3).head(rows).setOnes();
-  columns.col(4).tail(rows).setOnes();
-  Eigen::VectorXd measured(2 * rows);
-  measured << motion.acceleration.col(0), motion.acceleration.col(1);
-  const Regression found = regress(columns, measured, stackedStarts(motion));
-  const double cosine = found.coefficients[0];
-  const double sine = found.coefficients[1];
-  // Of the angle of (cosine, sine), whose errors are taken as independent: they are by symmetry.
-  const auto across = [&](const Eigen::VectorXd& errors) {
-    return std::hypot(cosine * errors[1], sine * errors[0]) / (cosine * cosine + sine * sine);
-  };
-  return {{"heading_misalignment", "rad", std::atan2(sine, cosine), across(found.standard_errors),
-           across(found.half_widths)},
-          std::hypot(cosine, sine),
-          rms(columns.col(0)) * std::sqrt(2.0),
-          columns * found.coefficients};
-}
-
-// The rows from `first` on, `count` of them.
-Motion partOf(const Motion& motion, Eigen::Index first, Eigen::Index count) {
-  Motion part;
-  part.starts = {0};
-  for (const std::size_t start : motion.starts) {
-    const Eigen::Index row = static_cast<Eigen::Index>(start) - first;
-    if (row > 0 && row < count) part.starts.push_back(static_cast<std::size_t>(row));
-  }
-  part.starts.push_back(static_cast<std::size_t>(count));
-  part.acceleration = motion.acceleration.middleRows(first, count);
-  part.expected = motion.expected.middleRows(first, count);
-  part.velocity = motion.velocity.middleRows(first, count);
-  return part;
-}
-
-// Whether both halves of a flight tell the same angle.
-bool isSteady(const Motion& motion) {
-  const Eigen::Index half = motion.velocity.rows() / 2;
-  const FittedParameter one = findHeading(partOf(motion, 0, half)).angle;
-  const FittedParameter other = findHeading(partOf(motion, half, motion.velocity.rows() - half)).angle;
-  return std::abs(std::remainder(one.value - other.value, 2.0 * kHalfTurn)) <=
-         kHeadingDrift + std::hypot(one.half_width, other.half_width);
-}
-
-}  // namespace
-
-MotionFit fitHeading(const Motion& motion) {
-  const Eigen::Index rows = motion.velocity.rows();
-  const HeadingFit found = findHeading(motion);
-  const double tilt = found.tilt;
-  FittedParameter angle = found.angle;
-  MotionFit result;
-  angle.supported = tilt >= kLeastExpected && angle.half_width <= kVagueHeading;
-  if (angle.supported && !(found.scale >= kLeastHeadingScale && found.scale <= kGreatestHeadingScale)) {
-    angle.supported = false;
-    result.warnings.push_back(
-        sentence("The vehicle accelerates %.2g times as much as its tilt makes expect: angles or velocities "
-                 "are of another unit or "
-                 "sign.",
-                 found.scale));
-  } else if (angle.supported && !isSteady(motion)) {
-    angle.supported = false;
-    result.warnings.emplace_back(
-        "The halves of the flight tell different misalignments: a heading drifts, so that no number corrects "
-        "it.");
-  } else if (!angle.supported) {
-    result.warnings.push_back(
-        sentence("heading_misalignment is not bounded by these data: %.2g +- %.2g rad, at %.2g m/s^2 rms of "
-                 "horizontal "
-                 "thrust. Fly quicker, to all sides.",
-                 angle.value, angle.half_width, tilt));
-  } else if (std::abs(angle.value) > kGreatestMisalignment && std::abs(angle.value) > angle.half_width) {
-    result.warnings.push_back(sentence(
-        "The motion is turned by %.3f +- %.3f rad from where the attitude tilts: align yaw of odometry and "
-        "attitude before flight, or let the controller turn it (vehicle/heading_misalignment).",
-        angle.value, angle.half_width));
-  }
-  result.parameters = {angle};
-  for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    result.traces.push_back(traceOf(motion, std::string("acceleration along ") + kMotionAxes[axis], "m/s^2",
-                                    motion.acceleration.col(axis),
-                                    found.modelled.segment(axis * rows, rows)));
-  }
   return result;
 }
 

@@ -240,8 +240,6 @@ AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptio
   records.validation = validation;
   const IdentifyOptions joint = jointOptions(flights, options);
   AxisModel model = chooseWindows(records, joint);
-  // The flights' own windows hold no moves at the greatest rate.
-  model.greatest_rate = flights.front().model.greatest_rate;
   fitAxis(records, joint, &model);
   addFlights(flights, validateByFlights(flights, &model), &model);
   FitOptions bounds = options.fit;
@@ -305,11 +303,6 @@ AxisModel identifyFlights(const std::vector<AxisFlightRecords>& flights, const I
       left_out.emplace_back(error.what());
     }
   }
-  if (options.second_order) {
-    std::vector<AxisModel*> models;
-    for (IdentifiedFlight& flight : chosen) models.push_back(&flight.model);
-    leaveOutGreatestRate(options.fit, models);
-  }
   std::vector<IdentifiedFlight> identified;
   for (IdentifiedFlight& flight : chosen) {
     try {
@@ -323,9 +316,8 @@ AxisModel identifyFlights(const std::vector<AxisFlightRecords>& flights, const I
   AxisModel model;
   if (identified.size() > 1)
     model = pooledModel(std::move(identified), options, validation);
-  else  // Without what the flights that are left out say of the greatest rate.
-    model = chosen.size() > 1 ? identifyAxis(identified.front().records, identified.front().options)
-                              : std::move(identified.front().model);
+  else
+    model = std::move(identified.front().model);
   for (const std::string& sentence : left_out) model.warnings.push_back("Left out: " + sentence);
   return model;
 }

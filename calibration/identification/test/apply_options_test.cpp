@@ -43,10 +43,6 @@ const std::string kThrust =
     "  thrusts: [9, 15.5, 22]\n  voltage: 15.6\n  voltage_range: [14.8, 16.4]\n  voltage_matters: true\n"
     "parameters:\n  command_1: {value: 0.3, supported: true}\n";
 
-const std::string kHeading = begin("heading", "multirotor") +
-                             "parameters:\n  heading_misalignment: {value: -0.21, interval_95: [-0.23, "
-                             "-0.19], supported: true}\n";
-
 CalibrationFile fileOf(const std::string& text) {
   return {text, "calibration.yaml", {"calibration.yaml", "xxh64:2", ""}, false};
 }
@@ -176,19 +172,6 @@ TEST(ApplyToOptions, RefusesAThrustCurveThatTheNodeWouldNotFly) {
   refused(firefly, replaced(kThrust, "  mass:", "  weight: 3\n  mass:"), "weight");
 }
 
-TEST(ApplyToOptions, AHeadingIsWrittenWhereItDiffersFromZero) {
-  const AppliedOptions applied = appliedTo(config("firefly"), {kHeading});
-  EXPECT_EQ(YAML::Load(applied.text)["vehicle"]["heading_misalignment"].as<double>(), -0.21);
-  EXPECT_NE(errorOf(config("firefly"), replaced(kHeading, "-0.19", "0.01"))
-                .find("must not hold 0: the headings agree"),
-            std::string::npos);
-  EXPECT_NE(errorOf(config("firefly"), replaced(kHeading, "supported: true", "supported: false"))
-                .find("heading_misalignment.supported: the data do not support"),
-            std::string::npos);
-  EXPECT_NE(errorOf(config("techpod"), replaced(kHeading, "multirotor", "unknown")).find("has nothing"),
-            std::string::npos);
-}
-
 TEST(ApplyToOptions, AFixedWingTakesEq45AsItsGuidancePredicts) {
   const std::string before = config("techpod");
   AppliedOptions applied = appliedTo(before, {attitude("fixed_wing")});
@@ -202,18 +185,6 @@ TEST(ApplyToOptions, AFixedWingTakesEq45AsItsGuidancePredicts) {
   EXPECT_EQ(yaml["model"]["a0"].as<double>(), 14.0);
   EXPECT_EQ(yaml["guidance"]["delay"].as<double>(), 0.05);
   EXPECT_EQ(yaml["guidance"]["airspeed_nominal"].as<double>(), 14.0);
-}
-
-TEST(ApplyToOptions, AFixedWingTakesAGreatestRollRateThatIsSupported) {
-  const std::string model =
-      "    model_second_order_without_delay: {a0: 11, a1: 5, b0: 10, supported: true}\n";
-  const std::string rate =
-      "    greatest_rate: {value: 0.15, interval_95: [0.14, 0.16], moves: 5, supported: ";
-  const std::string file = attitude("fixed_wing");
-  AppliedOptions applied = appliedTo(config("techpod"), {replaced(file, model, model + rate + "true}\n")});
-  EXPECT_EQ(YAML::Load(applied.text)["model"]["roll_rate_max"].as<double>(), 0.15);
-  applied = appliedTo(config("techpod"), {replaced(file, model, model + rate + "false}\n")});
-  EXPECT_FALSE(YAML::Load(applied.text)["model"]["roll_rate_max"]);
 }
 
 // A delay that is stated is compensated; one that is not goes into the lag.

@@ -161,24 +161,6 @@ TEST(IdentifyAxis, NamesSourceAndAxisWhenThereIsNothing) {
   }
 }
 
-TEST(IdentifyAxis, MeasuresTheFrequencyResponseOfTheModel) {
-  test::MadeLoop made;
-  made.noise = 0.001;
-  made.duration = 60.0;
-  IdentifyOptions options;
-  options.windows = {{0.0, 60.0}};
-  const AxisModel model = identifyAxis(madeAxis(made, 4), options);
-  int compared = 0;
-  for (const FrequencyPoint& point : model.frequency_response) {
-    if (point.coherence < 0.98 || point.command_power < 0.02) continue;
-    const FrequencyPoint expected = modelFrequencyResponse(model.with_delay, point.frequency);
-    EXPECT_NEAR(point.gain, expected.gain, 0.12 * expected.gain) << point.frequency;
-    EXPECT_NEAR(point.phase, expected.phase, 0.15) << point.frequency;
-    ++compared;
-  }
-  EXPECT_GT(compared, 10);
-}
-
 TEST(IdentifyAxis, SameInputSameBytes) {
   AttitudeCalibration one;
   one.axes.push_back(identifyAxis(madeAxis({}, 1), wholeFlight()));

@@ -61,7 +61,6 @@ State advance(const MadeLoop& loop, const Amplitudes& amplitudes, const State& s
   const auto mean = [](double a, double b, double c, double d) { return (a + 2.0 * b + 2.0 * c + d) / 6.0; };
   State next =
       moved({mean(k1.value, k2.value, k3.value, k4.value), mean(k1.rate, k2.rate, k3.rate, k4.rate)}, kStep);
-  if (loop.rate_greatest > 0.0) next.rate = std::clamp(next.rate, -loop.rate_greatest, loop.rate_greatest);
   return next;
 }
 

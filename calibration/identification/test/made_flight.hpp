@@ -18,8 +18,6 @@ struct MadeLoop {
   double a0 = 14.0;
   /// Coefficient a1 of Eq. 45, second order [1/s].
   double a1 = 6.5;
-  /// Greatest rate, second order; 0: none.
-  double rate_greatest = 0.0;
   double delay = 0.1;  ///< [s]
   double offset = 0.01;
   /// Standard deviation of the white noise.

@@ -18,53 +18,6 @@ using test::kMass;
 using test::MadeMotion;
 using test::makeMotion;
 
-TEST(Motion, FindsTheHeadingMisalignmentWithinItsInterval) {
-  int inside = 0;
-  constexpr int kFlights = 20;
-  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
-    // The attitude tells a yaw that is less by `truth` than that of the motion.
-    const double truth = 0.02 * static_cast<double>(seed) - 0.2;
-    FlightSignals signals = makeMotion({}, seed);
-    for (double& yaw : signals.series["yaw"].value) yaw -= truth;
-    const MotionFit fit = fitHeading(motionOf(signals, {}));
-    const FittedParameter& angle = fit.parameters.front();
-    EXPECT_EQ(angle.name, "heading_misalignment");
-    EXPECT_TRUE(angle.supported);
-    EXPECT_NEAR(angle.value, truth, 0.04);
-    inside += angle.least() <= truth && truth <= angle.greatest() ? 1 : 0;
-    const bool warned = !fit.warnings.empty();
-    EXPECT_TRUE(warned || std::abs(truth) < 0.07) << truth;
-    EXPECT_TRUE(!warned || std::abs(truth) > 0.001) << truth;
-  }
-  EXPECT_GE(inside, kFlights * 9 / 10 - 1);
-}
-
-TEST(Motion, TooLittleTiltTellsNoHeading) {
-  FlightSignals signals = makeMotion({}, 1);
-  for (const char* name : {"roll", "pitch"}) {
-    for (double& value : signals.series[name].value) value *= 0.001;
-  }
-  const MotionFit fit = fitHeading(motionOf(signals, {}));
-  EXPECT_FALSE(fit.parameters.front().supported);
-  EXPECT_FALSE(fit.warnings.empty());
-}
-
-TEST(Motion, AHeadingThatDriftsOrAScaleThatIsOffIsNotSupported) {
-  FlightSignals signals = makeMotion({}, 1);
-  TimeSeries& yaw = signals.series["yaw"];
-  for (std::size_t i = 0; i < yaw.time.size(); ++i) yaw.value[i] -= 0.003 * yaw.time[i];
-  MotionFit fit = fitHeading(motionOf(signals, {}));
-  EXPECT_FALSE(fit.parameters.front().supported);
-  EXPECT_NE(fit.warnings.at(0).find("a heading drifts"), std::string::npos);
-  signals = makeMotion({}, 1);
-  for (const char* name : {"vx", "vy"}) {
-    for (double& value : signals.series[name].value) value *= 3.28;
-  }
-  fit = fitHeading(motionOf(signals, {}));
-  EXPECT_FALSE(fit.parameters.front().supported);
-  EXPECT_NE(fit.warnings.at(0).find("of another unit"), std::string::npos);
-}
-
 TEST(Motion, FindsMassAndHoverThrust) {
   MadeMotion made;
   MotionOptions options;

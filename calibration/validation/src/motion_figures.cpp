@@ -12,7 +12,6 @@ using Style = Series::Style;
 
 // Greatest number of dots of a scatter plot.
 constexpr std::size_t kScatterDots = 3000;
-constexpr std::size_t kCirclePoints = 180;
 constexpr std::size_t kModelPoints = 80;
 constexpr std::size_t kQuantilePoints = 400;
 
@@ -159,55 +158,12 @@ ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound
   return result;
 }
 
-// Velocities over ground lie on a circle about the wind, as wide as the airspeed.
-ReportFigure circleFigure(const MotionCalibration& calibration) {
-  ReportFigure result;
-  result.heading = "The wind triangle";
-  result.caption =
-      "Velocity over ground (dots), and the circle of the mean airspeed, scaled, about the wind that was "
-      "found (cross of the dashed lines). Dots on one side only: wind and scale cannot be told apart.";
-  Series dots;
-  dots.style = Style::kPoints;
-  dots.label = "velocity over ground";
-  dots.color = kMeasuredColor;
-  dots.width = 3.0;
-  const std::size_t stride = calibration.north.size() / kScatterDots + 1;
-  for (std::size_t i = 0; i < calibration.north.size(); i += stride) {
-    dots.x.push_back(calibration.east[i]);
-    dots.y.push_back(calibration.north[i]);
-  }
-  const std::vector<double>& speed = calibration.traces.front().modelled;
-  double radius = 0.0;
-  for (const double one : speed) radius += one / static_cast<double>(speed.size());
-  const double north = calibration.parameters[0].value;
-  const double east = calibration.parameters[1].value;
-  Series circle;
-  circle.label = "airspeed about the wind";
-  circle.color = palette::kVermilion;
-  for (std::size_t i = 0; i <= kCirclePoints; ++i) {
-    const double angle = 6.283185307179586 * static_cast<double>(i) / kCirclePoints;
-    circle.x.push_back(east + radius * std::sin(angle));
-    circle.y.push_back(north + radius * std::cos(angle));
-  }
-  Panel panel;
-  panel.x_label = "east [m/s]";
-  panel.y_label = "north [m/s]";
-  panel.equal_axes = true;
-  panel.series = {dots, circle};
-  panel.bounds = {{north, "wind", palette::kGreen}};
-  panel.marks = {{east, "", palette::kGreen}};
-  result.figure = pageFigure({panel}, row_height::kSquare);
-  return result;
-}
-
 }  // namespace
 
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration) {
   std::vector<ReportFigure> figures;
   if (calibration.traces.empty()) return figures;
   figures.push_back(selectionFigure(calibration));
-  if (!calibration.north.empty() && calibration.parameters.size() >= 2)
-    figures.push_back(circleFigure(calibration));
   for (std::size_t i = 0; i < calibration.traces.size(); ++i) {
     const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
     figures.push_back(timeFigure(calibration.traces[i], bound));

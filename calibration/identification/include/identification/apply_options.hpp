@@ -28,8 +28,7 @@ struct AppliedOptions {
 /// - kind mass: mass as vehicle/mass, hover_command as output/hover_thrust;
 /// - kind thrust: the curve as output/thrust_polynomial with output/attitude_target true, and the mass that its thrusts
 ///   were computed with as vehicle/mass. The file must state controller/thrust_min and thrust_max, between which the
-///   curve must rise within 0 and 1;
-/// - kind heading: heading_misalignment as vehicle/heading_misalignment.
+///   curve must rise within 0 and 1.
 ///
 /// A file with the groups of a fixed wing (launch/config/techpod.yaml) takes of kind attitude Eq. 45 of roll as
 /// model/a0, a1, b0. Where it states guidance/applied_move 0, the guidance compensates a delay: then they are

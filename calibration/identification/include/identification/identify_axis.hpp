@@ -6,8 +6,6 @@
 
 #include "identification/excitation.hpp"
 #include "identification/fit_loop.hpp"
-#include "identification/frequency_response.hpp"
-#include "identification/greatest_rate.hpp"
 #include "identification/loop_record.hpp"
 #include "identification/model_support.hpp"
 
@@ -77,13 +75,10 @@ struct AxisModel {
   LoopFit without_delay;
   /// Second-order model of Eq. 45 with a delay.
   std::optional<LoopFit> second_order;
-  /// With a second-order model: the greatest rate, of all flights.
-  std::optional<GreatestRate> greatest_rate;
   /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
   /// What controllers can be given, each with its own evaluation: of thrust only `model`.
   std::vector<ControllerModel> controller_models;
-  std::vector<FrequencyPoint> frequency_response;
   /// Time by which the response leads its command [s]; 0 where it does not.
   double lead = 0.0;
   /// Sentences on what the data do not support.

@@ -116,31 +116,14 @@ struct MotionFit {
   std::vector<std::string> warnings;  ///< sentences
 };
 
-/// The wind triangle's, with the velocity over ground that it was fitted to.
-struct WindFit : MotionFit {
-  std::vector<double> north;  ///< [m/s]
-  std::vector<double> east;   ///< [m/s]
-};
-
 /// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s]. Each has the mean
 /// disturbance beside it; names drag_x, offset_x, and so on. Then those of the rotors along the body's heading and to
 /// its left, with one mean disturbance in W; names drag_forward, drag_left.
 MotionFit fitDrag(const Motion& motion);
 
-/// Heading misalignment: the angle about z up, from the direction in which the attitude tilts the thrust to that of
-/// the measured acceleration [rad]. Its name is heading_misalignment. Velocities of an odometry and an attitude whose
-/// frames agree give 0. Warns where it is not 0, and where the vehicle tilts too little. With the thrust's own scale,
-/// an isotropic drag and a mean disturbance as further unknowns.
-MotionFit fitHeading(const Motion& motion);
-
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
 /// [N]; names mass, hover_thrust. Of a command that is a share of full thrust only hover_command, with a
 /// warning. Throws Error if there is no thrust_cmd.
 MotionFit fitMass(const Motion& motion, const MotionOptions& options);
-
-/// Wind and scale of the airspeed from velocity over ground and airspeed alone (wind triangle without
-/// heading): |v_ground - w| = scale * airspeed. Names wind_north, wind_east [m/s], airspeed_scale. Warns
-/// where the flight did not turn enough, or the scale is none of a sensor in flight. Throws Error.
-WindFit fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows);
 
 }  // namespace polyfly

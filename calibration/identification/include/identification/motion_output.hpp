@@ -11,8 +11,7 @@
 
 namespace polyfly {
 
-/// What `calibrate disturbance`, `drag`, `mass`, `thrust`, `heading` or `wind` found; bounds of the first, parameters of
-/// the others.
+/// What `calibrate disturbance`, `drag`, `mass` or `thrust` found; bounds of the first, parameters of the others.
 struct MotionCalibration {
   std::string kind;
   /// The flights, one or several of one vehicle.
@@ -38,8 +37,6 @@ struct MotionCalibration {
   std::vector<MotionTrace> traces;
   /// Velocities of the whole record [m/s], or the thrust command, by name.
   std::vector<std::pair<std::string, TimeSeries>> record;
-  /// Velocity over ground, for `wind` only [m/s].
-  std::vector<double> north, east;
 };
 
 /// As YAML; `disturbances` of a bound has the form that problem and model files take. The same input gives
