@@ -7,7 +7,6 @@
 #include "calibrate_commands.hpp"
 #include "identification/motion_output.hpp"
 #include "identification/several_motions.hpp"
-#include "identification/thrust_fit.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -20,8 +19,6 @@ namespace {
 struct MotionArguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
-  /// Degree of the thrust curve, 0: chosen.
-  int degree = 0;
   std::vector<double> drag;
   std::string report;
 };
@@ -89,12 +86,6 @@ std::vector<Motion> motions(const MotionFlights& flights, MotionOptions options)
   return all;
 }
 
-// What the page draws of the whole record.
-std::vector<std::string> drawnSignals(const std::string& kind) {
-  if (kind == "thrust") return {"thrust_cmd"};
-  return {"vx", "vy", "vz"};
-}
-
 int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   checkResults(arguments, arguments.report);
   MotionCalibration calibration;
@@ -104,7 +95,7 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
     arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
   }
   const MotionFlights flights = readMotion(arguments, &calibration);
-  for (const std::string& name : drawnSignals(kind)) {
+  for (const char* name : {"vx", "vy", "vz"}) {
     if (flights.joint.has(name)) calibration.record.emplace_back(name, cleaned(flights.joint.at(name)));
   }
   find(flights, arguments, &calibration);
@@ -157,15 +148,6 @@ void findMass(const MotionFlights& flights, const MotionArguments& arguments,
   }
 }
 
-void findThrust(const MotionFlights& flights, const MotionArguments& arguments,
-                MotionCalibration* calibration) {
-  ThrustFit fit = fitThrust({flights.each, flights.each_windows},
-                            {arguments.motion.mass, arguments.motion.gravity, arguments.degree});
-  calibration->curve = std::move(fit.curve);
-  calibration->flights = std::move(fit.flights);
-  keep(static_cast<MotionFit&&>(fit), calibration);
-}
-
 void declareMotion(CLI::App& command, MotionArguments& arguments) {
   command.add_option("--gravity", arguments.motion.gravity, "Gravitational acceleration [m/s^2].")
       ->check(numberFrom(1.0, 30.0))
@@ -206,26 +188,6 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
   return command;
 }
 
-void addThrust(CLI::App& app, int* result) {
-  const auto thrust = std::make_shared<MotionArguments>();
-  thrust->battery = true;
-  CLI::App* command =
-      add(app, "thrust",
-          "Identify the curve from a thrust to the thrust command of an autopilot, a share from 0 to 1.",
-          result, findThrust, thrust);
-  command->add_option("--mass", thrust->motion.mass, "Mass of the vehicle as it flew [kg].")
-      ->check(numberAbove(0.0))
-      ->required();
-  command->add_option("--gravity", thrust->motion.gravity, "Gravitational acceleration [m/s^2].")
-      ->check(numberFrom(1.0, 30.0))
-      ->capture_default_str();
-  command
-      ->add_option("--degree", thrust->degree,
-                   "Degree of the polynomial, 1 to 3. 0: the greatest that the data tell from a lower one.")
-      ->check(wholeNumber(0, 3))
-      ->capture_default_str();
-}
-
 }  // namespace
 
 void addMotionCommands(CLI::App& app, int* result) {
@@ -254,7 +216,6 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
 
-  addThrust(app, result);
 }
 
 }  // namespace polyfly

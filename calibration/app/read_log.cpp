@@ -154,7 +154,6 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
   options.choice = choice;
   options.topics = arguments.topics;
   options.name_space = arguments.name_space;
-  options.battery = arguments.battery;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
   if (!arguments.quiet) options.ask = promptIfTerminal();
   BagSignals bag = signalsFromBag(path, options);

@@ -23,8 +23,6 @@ struct LogArguments {
   bool on_ground = false;
   bool strict = false;
   bool quiet = false;
-  /// True: the battery's voltage of a bag is wanted. Not an option.
-  bool battery = false;
 };
 
 void declareLog(CLI::App& command, LogArguments& arguments);

@@ -68,8 +68,7 @@ constexpr Place kPx4[] = {{"roll_cmd", "vehicle_attitude_setpoint", "roll_body"}
                           {"airspeed", "airspeed_validated", "true_airspeed_m_s"},
                           {"vn", "vehicle_global_position", "vel_n"},
                           {"ve", "vehicle_global_position", "vel_e"},
-                          {"airspeed", "airspeed", "true_airspeed_m_s"},
-                          {"voltage", "battery_status", "voltage_v"}};
+                          {"airspeed", "airspeed", "true_airspeed_m_s"}};
 
 constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"roll_cmd", "ATT", "RollIn", kDegrees},
@@ -118,9 +117,7 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"ve", "EKF1", "VE"},
                                 {"ve", "GPS", "Spd", 1.0, 0.0, Place::Angle::kEast},
                                 {"airspeed", "ARSP", "Airspeed"},
-                                {"airspeed", "NTUN", "Arspd"},
-                                {"voltage", "BAT", "Volt"},
-                                {"voltage", "CURR", "Volt"}};
+                                {"airspeed", "NTUN", "Arspd"}};
 
 double angleOf(double w, double x, double y, double z, Place::Angle angle) {
   switch (angle) {

@@ -84,8 +84,6 @@ const std::vector<KnownType>& knownTypes() {
        "velocity_local",
        1,
        {{"vx", "twist.linear.x"}, {"vy", "twist.linear.y"}, {"vz", "twist.linear.z"}}},
-      {"sensor_msgs/BatteryState", "", 0, {{"voltage", "voltage"}}},
-      {"mavros_msgs/BatteryStatus", "", 1, {{"voltage", "voltage"}}},
   };
   return kTypes;
 }
@@ -101,7 +99,6 @@ bool isKnown(const KnownType& known, const BagConnection& connection) {
 }
 
 constexpr int kTruthRank = 10;  // added to that of the type
-constexpr const char* kBatterySignal = "voltage";
 constexpr double kRadianOfDegree = 3.14159265358979323846 / 180.0;
 // Times by which two records of one message may differ [s].
 constexpr double kSameMessage = 0.1;
@@ -252,7 +249,6 @@ class Collector {
     if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
     for (const KnownType& known : knownTypes()) {
       if (!isHeard(connection.topic) || !isKnown(known, connection)) continue;
-      if (!options_.battery && known.uses.front().signal == kBatterySignal) continue;
       std::vector<FieldUse> uses;
       for (const FieldUse& use : known.uses) {
         if (!isChosen(use.signal)) uses.push_back(use);

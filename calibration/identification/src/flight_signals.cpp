@@ -29,7 +29,6 @@ const std::vector<Pattern>& patterns() {
   static const std::vector<const char*> kSpeed = {"mps"};
   static const std::vector<const char*> kForce = {"mps2"};
   static const std::vector<const char*> kLength = {"m"};
-  static const std::vector<const char*> kVoltage = {"V", "v"};
   static const std::vector<Pattern> kList = {
       {"roll_cmd", {"roll_cmd", "roll_ref", "roll_sp", "roll_des"}, kAngle},
       {"pitch_cmd", {"pitch_cmd", "pitch_ref", "pitch_sp", "pitch_des"}, kAngle},
@@ -57,7 +56,6 @@ const std::vector<Pattern>& patterns() {
       {"specific_force_y", {"ay"}, kForce},
       {"height", {"height", "z", "alt"}, kLength},
       {"height", {"down"}, kLength, -1.0},
-      {"voltage", {"voltage", "battery_voltage", "vbat", "bat_voltage"}, kVoltage},
   };
   return kList;
 }
@@ -246,7 +244,7 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
 
 bool isAuxiliary(const std::string& name) {
   return name.compare(0, 5, "gyro_") == 0 || name == "specific_force_x" || name == "specific_force_y" ||
-         name == "height" || name == "voltage";
+         name == "height";
 }
 
 std::vector<std::string> missingAxes(const FlightSignals& signals) {

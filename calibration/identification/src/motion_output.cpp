@@ -48,63 +48,7 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
   }
 }
 
-void writeNumbers(const std::vector<double>& numbers, std::ostream& out) {
-  out << "[";
-  for (std::size_t i = 0; i < numbers.size(); ++i) out << (i > 0 ? ", " : "") << yamlNumber(numbers[i]);
-  out << "]";
-}
-
-void writeCurve(const IdentifiedCurve& curve, std::ostream& out) {
-  out << "curve:\n  polynomial: ";
-  writeNumbers(curve.polynomial, out);
-  out << "  # command = c[0] + c[1] F + c[2] F^2 + ..., F in N\n  supported: "
-      << (curve.supported() ? "true" : "false") << "\n";
-  writeSentences("reasons", "  ", curve.reasons, out);
-  out << "  mass: " << yamlNumber(curve.mass) << "  # [kg]\n  thrusts: ";
-  writeNumbers(curve.thrusts, out);
-  out << "  # [N] of command_1 ..; the first and the last are the ends of what was flown\n";
-  if (curve.voltage.logged) {
-    out << "  voltage: " << yamlNumber(curve.voltage.mean)
-        << "  # [V] that the curve is for\n  voltage_range: ";
-    writeNumbers({curve.voltage.least, curve.voltage.greatest}, out);
-    out << "  # [V] that was flown\n  voltage_matters: " << (curve.voltage.matters ? "true" : "false")
-        << "\n";
-  }
-  out << "  lag: " << yamlNumber(curve.lag) << "  # [s]\n  delay: " << yamlNumber(curve.delay)
-      << "  # [s]\n  fit_percent: " << yamlNumber(curve.fit_percent)
-      << "\n  validation_percent: " << yamlNumber(curve.validation_percent) << "\n";
-}
-
-std::string curveText(const IdentifiedCurve& curve) {
-  std::ostringstream out;
-  char text[200];
-  out << "command =";
-  for (std::size_t i = 0; i < curve.polynomial.size(); ++i) {
-    std::snprintf(text, sizeof text,
-                  i == 0   ? " %.6g"
-                  : i == 1 ? " %+.6g F"
-                           : " %+.6g F^%zu",
-                  curve.polynomial[i], i);
-    out << text;
-  }
-  out << "   F in N\n" << validityOf(curve) << "\n";
-  std::snprintf(text, sizeof text, "fit %.1f %%, on other data %.1f %%   lag %.3f s, delay %.3f s   %s\n",
-                curve.fit_percent, curve.validation_percent, curve.lag, curve.delay,
-                curve.supported() ? "supported" : "not supported");
-  out << text;
-  return out.str();
-}
-
 }  // namespace
-
-std::string validityOf(const IdentifiedCurve& curve) {
-  char text[200];
-  std::snprintf(text, sizeof text, "%.3g to %.3g N", curve.thrusts.front(), curve.thrusts.back());
-  std::string validity = std::string("The curve holds from ") + text;
-  if (!curve.voltage.logged) return validity + ", at a voltage that is not known.";
-  std::snprintf(text, sizeof text, ", at %.1f to %.1f V.", curve.voltage.least, curve.voltage.greatest);
-  return validity + text;
-}
 
 std::string toYaml(const MotionCalibration& calibration) {
   std::ostringstream out;
@@ -122,7 +66,6 @@ std::string toYaml(const MotionCalibration& calibration) {
   out << "\ninterval_holds_for: " << (several ? "the vehicle, between flights" : "this flight alone") << "\n";
   writeSentences("remarks", "", calibration.remarks, out);
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
-  if (calibration.curve) writeCurve(*calibration.curve, out);
   if (!calibration.parameters.empty()) out << "parameters:\n";
   for (const FittedParameter& parameter : calibration.parameters) {
     out << "  " << parameter.name << ": {value: " << yamlNumber(parameter.value)
@@ -163,7 +106,6 @@ std::string toText(const MotionCalibration& calibration) {
                   parameter.unit == "1" ? "" : parameter.unit.c_str());
     out << text;
   }
-  if (calibration.curve) out << curveText(*calibration.curve);
   out << (calibration.data.size() > 1 ? "the numbers hold the spread between "
                                       : "the numbers hold for this flight alone");
   if (calibration.data.size() > 1) out << calibration.data.size() << " flights";

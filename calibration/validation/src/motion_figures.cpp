@@ -44,11 +44,9 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
   ReportFigure result;
   result.heading = "What was used";
   result.caption =
-      calibration.curve
-          ? "The thrust command of the log; shaded: the stretches that the numbers come from."
-          : "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
+      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
   if (calibration.data.size() > 1) result.caption += " One flight after the other, with pauses between.";
-  Panel panel = timePanel("", calibration.curve ? "thrust command" : "velocity [m/s]");
+  Panel panel = timePanel("", "velocity [m/s]");
   const MotionTrace& trace = calibration.traces.front();
   for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
     if (trace.starts[i + 1] > trace.starts[i])

@@ -55,28 +55,6 @@ void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "</section>\n";
 }
 
-// The polynomial, where it holds, and what speaks against it.
-void writeCurve(const IdentifiedCurve& curve, std::ostream& out) {
-  out << "<section><h2>thrust: curve " << supportMark(curve.supported()) << "</h2><p>command =";
-  for (std::size_t i = 0; i < curve.polynomial.size(); ++i) {
-    const double factor = curve.polynomial[i];
-    out << (i == 0         ? " "
-            : factor < 0.0 ? " − "
-                           : " + ")
-        << number(i == 0 ? factor : std::abs(factor), 5) << (i == 0 ? "" : " F")
-        << (i > 1 ? "<sup>" + std::to_string(i) + "</sup>" : "");
-  }
-  out << ", F in N. " << escaped(validityOf(curve)) << "</p><p>Fit " << number(curve.fit_percent)
-      << " %, on data that the model was not fitted to " << number(curve.validation_percent)
-      << " %. The thrust lags by " << number(curve.lag) << " s, behind a delay of " << number(curve.delay)
-      << " s. Mass " << number(curve.mass, 4) << " kg.</p><ul>";
-  for (const std::string& reason : curve.reasons) out << "<li>" << escaped(reason) << "</li>";
-  out << "</ul><div class='scroll'><table><tr><th>parameter</th><th>at the thrust [N]</th></tr>\n";
-  for (std::size_t i = 0; i < curve.thrusts.size(); ++i)
-    out << "<tr><td>command_" << i + 1 << "</td><td>" << number(curve.thrusts[i], 4) << "</td></tr>\n";
-  out << "</table></div></section>\n";
-}
-
 // How much of the time the disturbance lies below a value.
 void writeQuantiles(const MotionCalibration& calibration, std::ostream& out) {
   out << "<h3>Quantiles</h3><div class='scroll'><table><tr><th>axis</th>";
@@ -115,7 +93,6 @@ std::string toHtml(const MotionCalibration& calibration) {
   std::ostringstream out;
   writeCalibrationHead(calibration.data, sentencesOf(calibration), out);
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
-  if (calibration.curve) writeCurve(*calibration.curve, out);
   if (!calibration.parameters.empty()) writeParameters(calibration, out);
   for (const ReportFigure& figure : motionFigures(calibration)) writeFigureSection(figure, out);
   out << kPageEnd;

@@ -26,7 +26,6 @@ namespace polyfly {
 /// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
 /// | specific_force_x, specific_force_y | along the body's x and y, by the accelerometer [m/s^2] |
 /// | height | up positive, above any level [m] |
-/// | voltage | of the battery [V] |
 ///
 /// Rates of the gyro, specific_force_x and _y, and the height serve to check the others only: units
 /// (signal_units.hpp), and where the vehicle flies (flight_phases.hpp).

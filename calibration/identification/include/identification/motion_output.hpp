@@ -6,12 +6,11 @@
 
 #include "identification/motion.hpp"
 #include "identification/provenance.hpp"
-#include "identification/thrust_fit.hpp"
 #include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
-/// What `calibrate disturbance`, `drag`, `mass` or `thrust` found; bounds of the first, parameters of the others.
+/// What `calibrate disturbance`, `drag` or `mass` found; bounds of the first, parameters of the others.
 struct MotionCalibration {
   std::string kind;
   /// The flights, one or several of one vehicle.
@@ -26,8 +25,6 @@ struct MotionCalibration {
   BoundOptions limits;
   std::vector<DisturbanceBound> bounds;
   std::vector<FittedParameter> parameters;
-  /// The curve of `thrust`.
-  std::optional<IdentifiedCurve> curve;
   /// Parameters of each flight, if there are several.
   std::vector<std::vector<FittedParameter>> flights;
   /// Warnings as sentences.
@@ -35,16 +32,13 @@ struct MotionCalibration {
 
   // For the pictures of the report; not in YAML or text.
   std::vector<MotionTrace> traces;
-  /// Velocities of the whole record [m/s], or the thrust command, by name.
+  /// Velocities of the whole record, by name [m/s].
   std::vector<std::pair<std::string, TimeSeries>> record;
 };
 
 /// As YAML; `disturbances` of a bound has the form that problem and model files take. The same input gives
 /// the same bytes.
 std::string toYaml(const MotionCalibration& calibration);
-
-/// Sentences on where a curve holds: thrusts, and the voltage if it is known.
-std::string validityOf(const IdentifiedCurve& curve);
 
 /// For people.
 std::string toText(const MotionCalibration& calibration);

@@ -8,7 +8,7 @@
 
 namespace polyfly {
 
-/// The pictures of a disturbance, drag, mass or thrust. One shows what was used of the flight. Each trace has measured
+/// The pictures of a disturbance, drag or mass. One shows what was used of the flight. Each trace has measured
 /// against model over time with residuals, their quantiles, and the model against what it depends on.
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration);
 
