@@ -116,17 +116,6 @@ std::pair<double, double> CalibrationDocument::intervalOf(const std::string& nam
   return {ends[0].number(), ends[1].number()};
 }
 
-double CalibrationDocument::nonzeroParameter(const std::string& name, const char* meaning) const {
-  const double value = supported({"parameters", name}, "value");
-  if (file_.force) return value;
-  const auto [least, greatest] = intervalOf(name);
-  if (!(least > 0.0 || greatest < 0.0)) {
-    at({"parameters", name, "interval_95"})
-        .fail(std::string("must not hold 0: ") + meaning + " (calibrate apply --force takes the number)");
-  }
-  return value;
-}
-
 double CalibrationDocument::positiveParameter(const std::string& name) const {
   const std::vector<std::string> place = {"parameters", name};
   const double value = supported(place, "value");
