@@ -74,7 +74,7 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
   command
       .add_option(
           "--vehicle", arguments.vehicle,
-          "Kind of the vehicle. The tool recognises it by log, airspeed or ground speed if not given.")
+          "Kind of the vehicle. Only logs of PX4 and ArduPilot tell it by themselves.")
       ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");
@@ -171,7 +171,7 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks) {
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
-  if (!arguments.vehicle.empty()) signals.vehicle = {vehicleKindOf(arguments.vehicle), "As --vehicle says."};
+  if (!arguments.vehicle.empty()) signals.vehicle = {arguments.vehicle, "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
   for (const std::string& remark : settleUnits(&signals, arguments.on_ground))
     remarks->push_back(path + ": " + remark);
@@ -229,20 +229,19 @@ std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<s
   return piecedTogether(std::move(flights), remarks);
 }
 
-RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights) {
-  RecognisedVehicle common;
+VehicleKind vehicleOf(const std::vector<ReadFlight>& flights) {
+  VehicleKind common;
   std::string first;
   for (const ReadFlight& flight : flights) {
-    const RecognisedVehicle own = recogniseVehicle(flight.signals);
-    if (own.kind == VehicleKind::kUnknown) continue;
-    if (common.kind == VehicleKind::kUnknown) {
-      common = own;
-      first = flight.signals.source;
-    } else if (own.kind != common.kind) {
-      throw Error(flight.signals.source + ": the vehicle is a " + nameOf(own.kind) + " (" + own.reason +
-                  ") and that of " + first + " a " + nameOf(common.kind) + " (" + common.reason +
+    const VehicleKind& own = flight.signals.vehicle;
+    if (!own.isKnown()) continue;
+    if (common.isKnown() && own.name != common.name) {
+      throw Error(flight.signals.source + ": the vehicle is a " + own.name + " (" + own.reason +
+                  ") and that of " + first + " a " + common.name + " (" + common.reason +
                   "); --vehicle states the kind");
     }
+    common = own;
+    first = flight.signals.source;
   }
   return common;
 }

@@ -50,7 +50,7 @@ struct ReadFlight {
 std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks);
 
 /// Kind of the vehicle, as the flights that tell it agree. Throws Error where they differ.
-RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights);
+VehicleKind vehicleOf(const std::vector<ReadFlight>& flights);
 
 /// Before the work: throws Error where the result or its report cannot be written, or would take the place of
 /// one of the logs (empty names apart).

@@ -86,7 +86,7 @@ TEST_F(CalibrateTool, EveryKindThatIsWrittenIsRead) {
   const std::string source = SOURCE_FOLDER;
   for (const std::string logs : {" all0.csv", " all0.csv all1.csv all2.csv"}) {
     for (const std::string kind : {"drag", "mass", "disturbance"}) {
-      ASSERT_EQ(run(kind + logs + " -o " + kind + ".yaml --quiet"), 0) << err();
+      ASSERT_EQ(run(kind + logs + " --vehicle fixed_wing -o " + kind + ".yaml --quiet"), 0) << err();
       run("apply " + kind + ".yaml --problem " + source +
           "/region_maps/problems/multirotor_lateral.yaml -o out.yaml");
       EXPECT_NE(err().find("vehicle.kind: must be multirotor"), std::string::npos) << kind << logs << err();

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "calibrate_tool.hpp"
+#include "made_logs.hpp"
 #include "made_stretches.hpp"
 
 namespace polyfly {
@@ -52,27 +53,27 @@ TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
   EXPECT_FALSE(upset(flights[0]));
 }
 
-// The wing of the flights above, and a flight that is slow.
+// Only logs of an autopilot name their vehicle.
 TEST_F(CalibrateTool, RefusesFlightsOfTwoKindsOfVehicle) {
-  for (const double speed : {2.0, 15.0}) {
-    std::ofstream file(folder_ / (speed < 10.0 ? "slow.csv" : "fast.csv"));
-    file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
-    for (int i = 0; i < 1200; ++i) {
-      const double course = 0.01 * i;
-      file << 0.05 * i << "," << speed * std::cos(course) << "," << speed * std::sin(course)
-           << ",0,0.01,0.02," << course << "\n";
-    }
+  for (const std::string message : {"MOTB", "TECS"}) {
+    MadeDataflash log = madeArduPilotFlight(1.0, message == "MOTB" ? 0.2 : 0.3);
+    log.format(11, message, "Qf", "TimeUS,A", 3 + 8 + 4);
+    log.row(11, std::vector<std::uint8_t>(8 + 4));
+    writeBytes(log.bytes, folder_ / (message + ".bin"));
   }
-  EXPECT_EQ(run("drag slow.csv fast.csv -o drag.yaml"), 2);
-  EXPECT_NE(err().find("fast.csv: the vehicle is a fixed_wing"), std::string::npos) << err();
-  EXPECT_NE(err().find("that of slow.csv a multirotor"), std::string::npos) << err();
-  ASSERT_EQ(run("drag slow.csv fast.csv --vehicle multirotor -o drag.yaml"), 0) << err();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "drag.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
+  EXPECT_EQ(run("attitude MOTB.bin TECS.bin -o roll.yaml"), 2);
+  EXPECT_NE(err().find("TECS.bin: the vehicle is a fixed_wing"), std::string::npos) << err();
+  EXPECT_NE(err().find("that of MOTB.bin a multirotor"), std::string::npos) << err();
+  const auto kind = [this] {
+    return YAML::LoadFile(folder_ / "roll.yaml")["vehicle"]["kind"].as<std::string>();
+  };
+  ASSERT_EQ(run("attitude MOTB.bin TECS.bin --vehicle multirotor -o roll.yaml"), 0) << err();
+  EXPECT_EQ(kind(), "multirotor");
   // A flight that does not tell leaves it to the others.
-  ASSERT_EQ(run("attitude flight.csv slow.csv -o roll.yaml"), 0) << err();
-  EXPECT_NE(out().find("slow.csv: roll is not identified: the log has no roll_cmd"), std::string::npos)
-      << out();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
+  ASSERT_EQ(run("attitude flight.csv TECS.bin -o roll.yaml"), 0) << err();
+  EXPECT_EQ(kind(), "fixed_wing");
+  ASSERT_EQ(run("attitude flight.csv -o roll.yaml"), 0) << err();
+  EXPECT_EQ(kind(), "unknown");
 }
 
 TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {

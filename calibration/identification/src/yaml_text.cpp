@@ -20,9 +20,8 @@ std::string provenanceMap(const Provenance& provenance) {
          ", recorded: " + yamlString(provenance.recorded) + "}";
 }
 
-std::string vehicleLine(const RecognisedVehicle& vehicle) {
-  return std::string("vehicle: {kind: ") + nameOf(vehicle.kind) + ", reason: " + yamlString(vehicle.reason) +
-         "}\n";
+std::string vehicleLine(const VehicleKind& vehicle) {
+  return "vehicle: {kind: " + vehicle.name + ", reason: " + yamlString(vehicle.reason) + "}\n";
 }
 
 std::string valueText(double value, double half_width) {

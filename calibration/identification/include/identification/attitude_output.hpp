@@ -15,7 +15,7 @@ struct AttitudeCalibration {
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> training;
   std::optional<Provenance> validation;
-  RecognisedVehicle vehicle;
+  VehicleKind vehicle;
   std::vector<AxisModel> axes;
   /// True: parts of a flight's record are lost. The remarks say which.
   bool lossy = false;

@@ -46,8 +46,7 @@ struct FlightSignals {
   std::vector<RejectedWindow> not_flight;
   /// Columns, topics or tables of the file, whatever they hold.
   std::vector<std::string> places;
-  /// Kind of the vehicle as the log or the user names it. recogniseVehicle tells the others.
-  RecognisedVehicle vehicle;
+  VehicleKind vehicle;
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.

@@ -15,7 +15,7 @@ struct MotionCalibration {
   std::string kind;
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> data;
-  RecognisedVehicle vehicle;
+  VehicleKind vehicle;
   /// Sentences on what was wrong with the file.
   /// True: parts of a flight's record are lost. The remarks say which.
   bool lossy = false;

@@ -11,7 +11,7 @@ namespace polyfly {
 std::string yamlNumber(double value);
 
 /// The line `vehicle:` of a calibration file.
-std::string vehicleLine(const RecognisedVehicle& vehicle);
+std::string vehicleLine(const VehicleKind& vehicle);
 
 /// A fitted value and half of its interval, for people; half_width NaN: the data do not bound it.
 std::string valueText(double value, double half_width);
