@@ -14,7 +14,6 @@
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
 #include "identification/flight_phases.hpp"
-#include "identification/several_motions.hpp"
 #include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"

@@ -103,10 +103,10 @@ TEST_F(CalibrateTool, TakesThePiecesOfARecordingForOneFlight) {
               std::string::npos)
         << out();
     const YAML::Node roll = YAML::LoadFile(folder_ / "pieces.yaml")["axes"]["roll"];
-    EXPECT_EQ(roll["interval_holds_for"].as<std::string>(), "this flight alone");
+    EXPECT_FALSE(roll["flights"]);
     const YAML::Node whole = YAML::LoadFile(folder_ / "whole.yaml")["axes"]["roll"];
     const auto gain = [](const YAML::Node& axis) {
-      return axis["with_delay"]["parameters"]["gain"]["value"].as<double>();
+      return axis["model"]["gain"].as<double>();
     };
     EXPECT_EQ(gain(roll), gain(whole));
   }
@@ -123,22 +123,15 @@ TEST_F(CalibrateTool, MakesOneModelOfSeveralFlights) {
   ASSERT_EQ(yaml["data"]["training"].size(), 3u);
   EXPECT_EQ(yaml["data"]["training"][1]["file"].as<std::string>(), "b.csv");
   const YAML::Node roll = yaml["axes"]["roll"];
-  EXPECT_EQ(roll["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
   ASSERT_EQ(roll["flights"].size(), 3u);
   EXPECT_EQ(roll["flights"][2]["file"].as<std::string>(), "c.csv");
-  EXPECT_GT(roll["flights"][0]["validation_percent"].as<double>(), 80.0);
   EXPECT_TRUE(roll["validation"]["by_flights"].as<bool>());
-  const YAML::Node gain = roll["with_delay"]["parameters"]["gain"];
-  EXPECT_NEAR(gain["value"].as<double>(), 1.0, 0.02);
-  EXPECT_NEAR(gain["between_flights"].as<double>(), 0.1, 0.02);
-  EXPECT_NEAR(gain["interval_95"][1].as<double>() - gain["value"].as<double>(), 4.3027 * 0.1 / std::sqrt(3.0),
-              0.05);
-  EXPECT_NE(out().find("the intervals hold the spread between 3 flights"), std::string::npos) << out();
-  expectPage("report", {"flight.csv", "c.csv", "What each flight says", "by the others' model"});
-  ASSERT_EQ(run("attitude flight.csv -o roll.yaml"), 0) << err();
-  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["interval_holds_for"].as<std::string>(),
-            "this flight alone");
+  EXPECT_GT(roll["validation"]["validation_percent"].as<double>(), 80.0);
+  const YAML::Node model = roll["model"];
+  EXPECT_NEAR(model["gain"].as<double>(), 1.0, 0.02);
+  EXPECT_NEAR(model["intervals_95"]["gain"][1].as<double>() - model["gain"].as<double>(), 0.1, 0.02);
+  EXPECT_NE(out().find("on each flight by the others"), std::string::npos) << out();
+  expectPage("report", {"flight.csv", "c.csv", "What each flight says"});
 }
 
 TEST_F(CalibrateTool, FindsDragAndBoundsOfSeveralFlights) {
@@ -163,7 +156,6 @@ TEST_F(CalibrateTool, FindsDragAndBoundsOfSeveralFlights) {
   ASSERT_EQ(yaml["flights"].size(), 2u);
   EXPECT_NEAR(yaml["flights"][1]["drag_x"].as<double>(), 0.24, 0.01);
   EXPECT_NEAR(yaml["parameters"]["drag_x"]["value"].as<double>(), 0.23, 0.01);
-  EXPECT_EQ(yaml["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
   expectPage("drag", {"What each flight says", "fast2.csv"});
   // A flight without a window of its own is used as a whole.
   const auto mean = [this](const std::string& windows) {
@@ -186,7 +178,6 @@ TEST_F(CalibrateTool, TellsWhatIsWrongWithSeveralFlights) {
   EXPECT_EQ(run("attitude flight.csv still.csv -o still.csv"), 2);
   ASSERT_EQ(run("attitude flight.csv still.csv -o roll.yaml --strict"), 1) << err();
   EXPECT_NE(out().find("Left out: still.csv: roll: "), std::string::npos) << out();
-  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
   // Each flight with a window of its own.
   writeFlight({}, 2, "b.csv");
   ASSERT_EQ(run("attitude flight.csv b.csv --window 1:2:20 --window 2:5:28 -o roll.yaml"), 0) << err();

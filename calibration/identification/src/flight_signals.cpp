@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "csv_times.hpp"
 #include "interpolate.hpp"
@@ -171,6 +172,30 @@ const TimeSeries& FlightSignals::at(const std::string& name) const {
   const std::string known = listOfPlaces(*this);
   throw Error(source + ": no signal " + name + "; choose one with --signal " + name + "=COLUMN" +
               (known.empty() ? "" : "; the log has " + known));
+}
+
+TimeWindow spanOf(const FlightSignals& flight) {
+  TimeWindow span = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const auto& [name, series] : flight.series) {
+    for (const double time : series.time) {
+      if (!std::isfinite(time)) continue;
+      span.from = std::min(span.from, time);
+      span.to = std::max(span.to, time);
+    }
+  }
+  return span;
+}
+
+void append(FlightSignals piece, FlightSignals* recording) {
+  if (piece.thrust_is_share != recording->thrust_is_share) piece.series.erase("thrust_cmd");
+  for (auto& [name, series] : piece.series) {
+    TimeSeries& all = recording->series[name];
+    all.time.insert(all.time.end(), series.time.begin(), series.time.end());
+    all.value.insert(all.value.end(), series.value.begin(), series.value.end());
+    recording->origin.try_emplace(name, piece.origin[name]);
+  }
+  recording->lossy = recording->lossy || piece.lossy;
+  recording->not_flight.insert(recording->not_flight.end(), piece.not_flight.begin(), piece.not_flight.end());
 }
 
 const std::vector<std::string>& signalNames() {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "axis_stages.hpp"
 #include "diagnose.hpp"
 #include "follow.hpp"
 #include "identification/flight_phases.hpp"
@@ -130,7 +129,6 @@ void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
   model->with_delay = fitLoop(model->segments, options);
   std::vector<LoopFit> fits =
       fitModels(model->with_delay, model->segments, options, modelCount(model->axis, second_order));
-  if (fits.size() > 2) model->second_order = fits[2];
   for (std::size_t i = 0; i < fits.size(); ++i)
     model->controller_models.push_back({kModels[i].key, kModels[i].title, std::move(fits[i]), {}, {}});
 }
@@ -163,11 +161,14 @@ std::vector<LoopSegment> validationSegments(const AxisRecords& records, const Lo
 double AxisModel::usedTime() const {
   double used = 0.0;
   for (const TimeWindow& window : choice.windows) used += window.to - window.from;
+  for (const AxisModel& flight : flights) used += flight.usedTime();
   return used;
 }
 
 double AxisModel::movingTime() const {
-  double moving = usedTime();
+  double moving = 0.0;
+  for (const TimeWindow& window : choice.windows) moving += window.to - window.from;
+  for (const AxisModel& flight : flights) moving += flight.movingTime();
   for (const RejectedWindow& rejected : choice.rejected) {
     if (rejected.reason == kDoesNotFollow) moving += rejected.window.to - rejected.window.from;
   }
@@ -190,6 +191,9 @@ void judgeModels(const FitOptions& bounds, AxisModel* model) {
   model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
 }
 
+namespace {
+
+// The clean record and the windows to fit to. Throws Error where a signal is empty or nothing is left of it.
 AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model;
   model.axis = records.axis;
@@ -214,6 +218,7 @@ AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& optio
   return model;
 }
 
+// Fits all models to the segments, validates and warns.
 void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisModel* model) {
   const std::string where = model->source + ": " + model->axis + ": ";
   FitOptions fit = options.fit;
@@ -237,6 +242,8 @@ void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisMod
   model->warnings = diagnose(*model, records, fit);
   judgeModels(fit, model);
 }
+
+}  // namespace
 
 AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model = chooseWindows(records, options);

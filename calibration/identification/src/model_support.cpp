@@ -66,9 +66,9 @@ void addIntervalReasons(const ControllerModel& model, std::vector<std::string>* 
     }
     const double allowed = one.name == "gain" ? kWidestGain : kWidestNumber;
     if (one.half_width <= allowed * one.value) continue;
-    const char* why = one.between_flights > 0.0 ? "The flights differ in" : "Too little excitation for";
     reasons->push_back(
-        reason("%s %s: its 95 %% interval, %.3g .. %.3g, reaches further than %.0f %% of %.3g.", why,
+        reason("Too little excitation for %s, or flights that differ: its 95 %% interval, %.3g .. %.3g, "
+               "reaches further than %.0f %% of %.3g.",
                one.name.c_str(), one.least(), one.greatest(), 100.0 * allowed, one.value));
   }
 }

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <utility>
 
 #include "identification/motion.hpp"
-#include "motion_judgement.hpp"
+#include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
 #include "regression.hpp"
 
@@ -21,6 +23,8 @@ constexpr double kLeastCorrelation = 0.5;
 constexpr double kVagueDrag = 0.1;
 // Greatest half width of a confidence interval, relative to the value.
 constexpr double kVagueShare = 0.3;
+// Pause between flights that are put on one clock; more than a far step, so that nothing spans it [s].
+constexpr double kFlightPause = kFarStep + 10.0;
 
 std::vector<Eigen::Index> indices(const std::vector<std::size_t>& starts) {
   return {starts.begin(), starts.end()};
@@ -65,7 +69,7 @@ std::string checkFrame(const Motion& motion, Eigen::Index axis) {
       kMotionAxes[axis], correlation, rms(other));
 }
 
-void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
+void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
   const double allowed = std::max(kVagueDrag, kVagueShare * std::abs(drag.value));
   // An error of zero is that of a velocity that never changed.
   if (!(drag.half_width > 0.0 && drag.half_width <= allowed)) {
@@ -94,7 +98,7 @@ std::vector<Eigen::Index> stackedStarts(const Motion& motion) {
 
 // Drag along heading and left of the body: a - expected = -R D R' v + d, both horizontal axes of W one below
 // the other, with R the turn by the yaw.
-void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
+void fitRotorDrag(const Motion& motion, MotionFit* result) {
   const Eigen::Index rows = motion.velocity.rows();
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * rows, 4);
   Eigen::VectorXd left(2 * rows);
@@ -116,14 +120,8 @@ void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
   for (const auto& [name, column] :
        {std::pair<const char*, Eigen::Index>{"drag_forward", 0}, {"drag_left", 1}}) {
     result->parameters.push_back(parameterOf(name, "1/s", found, column));
-    result->parameters.back().supported = sound;
-    checkDrag(result->parameters.back(), &result->warnings);
   }
 }
-
-}  // namespace
-
-void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) { checkDrag(drag, warnings); }
 
 void judgeMass(std::vector<FittedParameter>* parameters, std::vector<std::string>* warnings) {
   const FittedParameter& first = parameters->front();
@@ -132,6 +130,25 @@ void judgeMass(std::vector<FittedParameter>* parameters, std::vector<std::string
   warnings->push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
                                first.value, first.half_width));
 }
+
+// One fit as it is; the means of several, with warnings and pictures of each under its name.
+MotionFit meanOf(const std::vector<Motion>& flights, std::vector<MotionFit> fits) {
+  if (fits.size() == 1) return std::move(fits.front());
+  MotionFit mean;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const std::string name = std::filesystem::path(flights[i].source).filename().string();
+    mean.flights.push_back(std::move(fits[i].parameters));
+    for (const std::string& warning : fits[i].warnings) mean.warnings.push_back(name + ": " + warning);
+    for (MotionTrace& trace : fits[i].traces) {
+      trace.name = name + ": " + trace.name;
+      mean.traces.push_back(std::move(trace));
+    }
+  }
+  mean.parameters = meanParameters(mean.flights);
+  return mean;
+}
+
+}  // namespace
 
 std::vector<std::string> checkMotion(const Motion& motion) {
   std::vector<std::string> warnings;
@@ -160,10 +177,11 @@ std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOpt
   return traces;
 }
 
-MotionFit fitDrag(const Motion& motion) {
+namespace {
+
+MotionFit dragOf(const Motion& motion) {
   MotionFit result;
   result.warnings = checkMotion(motion);
-  const bool sound = result.warnings.empty();
   for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
     Eigen::MatrixXd columns(motion.velocity.rows(), 2);
     columns.col(0) = -motion.velocity.col(axis);
@@ -172,8 +190,6 @@ MotionFit fitDrag(const Motion& motion) {
     const Regression found = regress(columns, left, indices(motion.starts));
     const std::string name = kMotionAxes[axis];
     result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
-    result.parameters.back().supported = sound;
-    checkDrag(result.parameters.back(), &result.warnings);
     result.parameters.push_back(parameterOf("offset_" + name, "m/s^2", found, 1));
     MotionTrace trace = traceOf(motion, "unexplained acceleration along " + name, "m/s^2", left,
                                 columns * found.coefficients);
@@ -181,34 +197,97 @@ MotionFit fitDrag(const Motion& motion) {
     trace.depends = list(motion.velocity.col(axis));
     result.traces.push_back(std::move(trace));
   }
-  fitRotorDrag(motion, sound, &result);
+  fitRotorDrag(motion, &result);
   return result;
 }
 
-MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
+MotionFit massOf(const Motion& motion, const MotionOptions& options) {
   if (motion.lift.isZero(0.0)) throw Error(motion.source + ": no thrust_cmd, or it is zero throughout");
   const Eigen::VectorXd load =
       (motion.acceleration.col(2) + options.drag.z() * motion.velocity.col(2)).array() + options.gravity;
   const Regression found = regress(load, motion.lift, indices(motion.starts));
   MotionFit result;
   result.warnings = checkMotion(motion);
-  const bool sound = result.warnings.empty();
   const char* unit = motion.lift_is_share ? "1" : "N";
   if (motion.lift_is_share) {
     result.parameters = {parameterOf("hover_command", unit, found, 0, options.gravity)};
-    result.warnings.emplace_back(
-        "The thrust command is a share of full thrust, not newtons: it tells what hovers, but no mass.");
   } else {
     result.parameters = {parameterOf("mass", "kg", found, 0),
                          parameterOf("hover_thrust", unit, found, 0, options.gravity)};
   }
-  for (FittedParameter& parameter : result.parameters) parameter.supported = sound;
-  judgeMass(&result.parameters, &result.warnings);
   MotionTrace trace =
       traceOf(motion, "vertical part of the thrust command", unit, motion.lift, load * found.coefficients[0]);
   trace.against = "vertical acceleration with gravity and drag [m/s^2]";
   trace.depends = list(load);
   result.traces = {std::move(trace)};
+  return result;
+}
+
+// What must be alike for one model.
+void checkAlike(const std::vector<Motion>& flights) {
+  for (const Motion& flight : flights) {
+    if (flight.thrust_known != flights.front().thrust_known ||
+        flight.lift_is_share != flights.front().lift_is_share)
+      throw Error(flight.source +
+                  ": its thrust_cmd is not that of the other flights: missing, or of another unit");
+  }
+}
+
+// Below `other`, or `other` where there is nothing yet.
+template <class Matrix>
+void append(const Matrix& other, Matrix* all) {
+  Matrix both(all->rows() + other.rows(), other.cols());
+  both << *all, other;
+  *all = std::move(both);
+}
+
+}  // namespace
+
+Motion joined(const std::vector<Motion>& flights) {
+  checkAlike(flights);
+  Motion all = flights.front();
+  for (std::size_t i = 1; i < flights.size(); ++i) {
+    const Motion& flight = flights[i];
+    const double shift = all.time.back() + kFlightPause - flight.time.front();
+    const std::size_t first = all.time.size();
+    for (const double time : flight.time) all.time.push_back(time + shift);
+    for (std::size_t k = 1; k < flight.starts.size(); ++k) all.starts.push_back(first + flight.starts[k]);
+    append(flight.acceleration, &all.acceleration);
+    append(flight.expected, &all.expected);
+    append(flight.velocity, &all.velocity);
+    append(flight.yaw, &all.yaw);
+    append(flight.lift, &all.lift);
+    all.source += ", " + flight.source;
+  }
+  return all;
+}
+
+MotionFit fitDrag(const std::vector<Motion>& flights) {
+  checkAlike(flights);
+  std::vector<MotionFit> fits;
+  for (const Motion& flight : flights) fits.push_back(dragOf(flight));
+  MotionFit result = meanOf(flights, std::move(fits));
+  const bool sound = result.warnings.empty();
+  for (FittedParameter& one : result.parameters) {
+    if (one.name.rfind("drag_", 0) != 0) continue;
+    one.supported = sound;
+    judgeDrag(one, &result.warnings);
+  }
+  return result;
+}
+
+MotionFit fitMass(const std::vector<Motion>& flights, const MotionOptions& options) {
+  checkAlike(flights);
+  std::vector<MotionFit> fits;
+  for (const Motion& flight : flights) fits.push_back(massOf(flight, options));
+  MotionFit result = meanOf(flights, std::move(fits));
+  const bool sound = result.warnings.empty();
+  for (FittedParameter& one : result.parameters) one.supported = sound;
+  if (flights.front().lift_is_share) {
+    result.warnings.emplace_back(
+        "The thrust command is a share of full thrust, not newtons: it tells what hovers, but no mass.");
+  }
+  judgeMass(&result.parameters, &result.warnings);
   return result;
 }
 

@@ -8,21 +8,6 @@
 namespace polyfly {
 namespace {
 
-void writeSentences(const char* key, const char* indent, const std::vector<std::string>& sentences,
-                    std::ostream& out) {
-  out << indent << key << ":" << (sentences.empty() ? " []" : "") << "\n";
-  for (const std::string& sentence : sentences) out << indent << "  - " << yamlString(sentence) << "\n";
-}
-
-void writeWindowList(const std::vector<TimeWindow>& windows, std::ostream& out) {
-  out << "[";
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    out << (i > 0 ? ", " : "") << "[" << yamlNumber(windows[i].from) << ", " << yamlNumber(windows[i].to)
-        << "]";
-  }
-  out << "]";
-}
-
 void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
   out << "share: " << yamlNumber(calibration.limits.share)
       << "  # of the time within the bounds\nconfidence: " << yamlNumber(calibration.limits.confidence)
@@ -60,30 +45,28 @@ std::string toYaml(const MotionCalibration& calibration) {
   out << "\n" << vehicleLine(calibration.vehicle) << "windows:";
   for (const std::vector<TimeWindow>& windows : calibration.windows) {
     out << (several ? "\n  - " : " ");
-    writeWindowList(windows, out);
+    out << windowList(windows);
     out << "  # [s] in the file's own time; empty: all of it";
   }
-  out << "\ninterval_holds_for: " << (several ? "the vehicle, between flights" : "this flight alone") << "\n";
+  out << "\n";
   writeSentences("remarks", "", calibration.remarks, out);
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
-  if (!calibration.parameters.empty()) out << "parameters:\n";
-  for (const FittedParameter& parameter : calibration.parameters) {
+  if (!calibration.fit.parameters.empty()) out << "parameters:\n";
+  for (const FittedParameter& parameter : calibration.fit.parameters) {
     out << "  " << parameter.name << ": {value: " << yamlNumber(parameter.value)
         << ", unit: " << yamlString(parameter.unit)
         << ", standard_error: " << yamlNumber(parameter.standard_error) << ", interval_95: ["
         << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest())
-        << "], supported: " << (parameter.supported ? "true" : "false");
-    if (several) out << ", between_flights: " << yamlNumber(parameter.between_flights);
-    out << "}\n";
+        << "], supported: " << (parameter.supported ? "true" : "false") << "}\n";
   }
-  if (!calibration.flights.empty()) out << "flights:  # values of each flight\n";
-  for (std::size_t i = 0; i < calibration.flights.size(); ++i) {
+  if (!calibration.fit.flights.empty()) out << "flights:  # values of each flight\n";
+  for (std::size_t i = 0; i < calibration.fit.flights.size(); ++i) {
     out << "  - {file: " << yamlString(calibration.data[i].file);
-    for (const FittedParameter& parameter : calibration.flights[i])
+    for (const FittedParameter& parameter : calibration.fit.flights[i])
       out << ", " << parameter.name << ": " << yamlNumber(parameter.value);
     out << "}\n";
   }
-  writeSentences("warnings", "", calibration.warnings, out);
+  writeSentences("warnings", "", calibration.fit.warnings, out);
   return out.str();
 }
 
@@ -100,17 +83,13 @@ std::string toText(const MotionCalibration& calibration) {
     out << text;
     for (const std::string& sentence : bound.warnings) out << "  warning: " << sentence << "\n";
   }
-  for (const FittedParameter& parameter : calibration.parameters) {
+  for (const FittedParameter& parameter : calibration.fit.parameters) {
     std::snprintf(text, sizeof text, "%-16s %s %s\n", parameter.name.c_str(),
                   valueText(parameter.value, parameter.half_width).c_str(),
                   parameter.unit == "1" ? "" : parameter.unit.c_str());
     out << text;
   }
-  out << (calibration.data.size() > 1 ? "the numbers hold the spread between "
-                                      : "the numbers hold for this flight alone");
-  if (calibration.data.size() > 1) out << calibration.data.size() << " flights";
-  out << "\n";
-  for (const std::string& sentence : calibration.warnings) out << "warning: " << sentence << "\n";
+  for (const std::string& sentence : calibration.fit.warnings) out << "warning: " << sentence << "\n";
   return out.str();
 }
 

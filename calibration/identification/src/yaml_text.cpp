@@ -20,6 +20,19 @@ std::string provenanceMap(const Provenance& provenance) {
          ", recorded: " + yamlString(provenance.recorded) + "}";
 }
 
+void writeSentences(const char* key, const std::string& indent, const std::vector<std::string>& sentences,
+                    std::ostream& out) {
+  out << indent << key << ":" << (sentences.empty() ? " []" : "") << "\n";
+  for (const std::string& sentence : sentences) out << indent << "  - " << yamlString(sentence) << "\n";
+}
+
+std::string windowList(const std::vector<TimeWindow>& windows) {
+  std::string text;
+  for (const TimeWindow& window : windows)
+    text += (text.empty() ? "[" : ", [") + yamlNumber(window.from) + ", " + yamlNumber(window.to) + "]";
+  return "[" + text + "]";
+}
+
 std::string vehicleLine(const VehicleKind& vehicle) {
   return "vehicle: {kind: " + vehicle.name + ", reason: " + yamlString(vehicle.reason) + "}\n";
 }

@@ -22,7 +22,7 @@ TEST(Motion, FindsMassAndHoverThrust) {
   MadeMotion made;
   MotionOptions options;
   options.drag = made.drag;
-  const auto found = fitMass(motionOf(makeMotion(made, 3), options), options).parameters;
+  const auto found = fitMass({motionOf(makeMotion(made, 3), options)}, options).parameters;
   EXPECT_NEAR(found[0].value, kMass, 0.01 * kMass);
   EXPECT_LE(found[0].least(), kMass);
   EXPECT_GE(found[0].greatest(), kMass);
@@ -98,7 +98,7 @@ TEST(Motion, SaysThatTheVehicleStands) {
   const auto warnings = checkMotion(motionOf(signals, {}));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("hardly moves"), std::string::npos);
-  const MotionFit drag = fitDrag(motionOf(signals, {}));
+  const MotionFit drag = fitDrag({motionOf(signals, {})});
   EXPECT_GE(drag.warnings.size(), 1u);
 }
 
@@ -109,7 +109,7 @@ TEST(Motion, TellsNoMassFromAShareOfFullThrust) {
   for (double& value : signals.series["thrust_cmd"].value) value /= full;
   MotionOptions options;
   options.drag = made.drag;
-  const MotionFit found = fitMass(motionOf(signals, options), options);
+  const MotionFit found = fitMass({motionOf(signals, options)}, options);
   ASSERT_EQ(found.parameters.size(), 1u);
   EXPECT_EQ(found.parameters[0].name, "hover_command");
   EXPECT_NEAR(found.parameters[0].value, 0.5, 0.01);
@@ -127,7 +127,7 @@ TEST(Motion, TracesShowWhatTheModelLeaves) {
   const Motion motion = motionOf(makeMotion(made, 7), options);
   const std::vector<MotionTrace> traces = disturbanceTraces(motion, options);
   ASSERT_EQ(traces.size(), 3u);
-  const MotionFit drag = fitDrag(motion);
+  const MotionFit drag = fitDrag({motion});
   double before = 0.0;
   double after = 0.0;
   for (std::size_t i = 0; i < motion.time.size(); ++i) {

@@ -53,10 +53,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   result.heading = axis.axis + ": what was used";
   result.caption =
       "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.";
-  if (!axis.flights.empty()) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
-  for (std::size_t i = 0; i < axis.flights.size(); ++i)
-    panel.marks.push_back({axis.flights[i].begins, "flight " + std::to_string(i + 1), palette::kGrey});
   for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
   for (const RejectedWindow& rejected : axis.choice.rejected) {
     panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
@@ -137,8 +134,7 @@ std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
   if (axis.validation) {
     figures.push_back(comparisonFigure(
         axis.axis + ": validation",
-        axis.validation->by_flights ? "Each flight with the models of the others, which have not seen it."
-        : axis.validation->by_halves
+        axis.validation->by_halves
             ? "The models of the first half of the data on the second half, which they have not seen."
             : "The models on " + axis.validation->source + ", which they have not seen.",
         axis, axis.validation->segments, validated));

@@ -31,33 +31,26 @@ void writeFit(const std::string& name, const LoopFit& fit, std::ostream& out) {
   }
 }
 
-// What each of several flights says, and how the model of the others does on it.
+std::string fileOf(const AxisModel& flight) {
+  return std::filesystem::path(flight.source).filename().string();
+}
+
+// What each of several flights says.
 void writeFlights(const AxisModel& axis, std::ostream& out) {
-  if (axis.flights.empty()) {
-    out << "<p>The intervals hold for this flight alone. Several flights in one run show what changes "
-           "between them.</p>";
-    return;
-  }
-  out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
-      << axis.flights.size() << " flights"
-      << (axis.flights.size() == 2 ? "; two say little of it, so they are wide" : "")
-      << ".</p><div class='scroll'><table class='numbers'><tr><th>flight</th><th>fit</th><th>by the others' "
-         "model</th>";
+  if (axis.flights.empty()) return;
+  out << "<h3>What each flight says</h3><p>The numbers above are the means of " << axis.flights.size()
+      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th><th>fit</th>";
   for (const FittedParameter& parameter : axis.with_delay.parameters)
     out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
   out << "</tr>\n";
-  for (const AxisFlight& flight : axis.flights) {
-    out << "<tr><td>" << escaped(std::filesystem::path(flight.source).filename().string()) << "</td><td>"
-        << number(flight.fit_percent, 3) << " %</td><td>" << number(flight.validation_percent, 3)
-        << " %</td>";
-    for (const FittedParameter& parameter : flight.parameters)
+  for (const AxisModel& flight : axis.flights) {
+    out << "<tr><td>" << escaped(fileOf(flight)) << "</td><td>"
+        << number(flight.with_delay.fit_percent, 3) << " %</td>";
+    for (const FittedParameter& parameter : flight.with_delay.parameters)
       out << "<td>" << valueWithin(parameter) << "</td>";
     out << "</tr>\n";
   }
-  out << "<tr><td>spread between flights</td><td></td><td></td>";
-  for (const FittedParameter& parameter : axis.with_delay.parameters)
-    out << "<td>" << number(parameter.between_flights, 2) << "</td>";
-  out << "</tr></table></div>\n";
+  out << "</table></div>\n";
 }
 
 // What controllers can be given, each with its own evaluation.
@@ -93,8 +86,8 @@ void writeAdvice(const AxisModel& axis, std::ostream& out) {
 
 void writeTable(const AxisModel& axis, std::ostream& out) {
   out << "<section><h2>" << escaped(axis.axis) << ": parameters" << supportMark(axis.supported) << "</h2><p>"
-      << axis.with_delay.samples << " samples in " << axis.segments.size()
-      << (axis.segments.size() == 1 ? " stretch" : " stretches");
+      << axis.with_delay.samples << " samples in " << number(axis.usedTime()) << " s of "
+      << number(axis.movingTime()) << " s in which the command moves";
   if (axis.validation) {
     out << "; on "
         << (axis.validation->by_flights  ? "each flight"
@@ -124,6 +117,13 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
   out << "</section>\n";
 }
 
+void writeFigures(const AxisModel& flight, const std::string& begin, std::ostream& out) {
+  for (ReportFigure& figure : identificationFigures(flight)) {
+    figure.heading = begin + figure.heading;
+    writeFigureSection(figure, out);
+  }
+}
+
 }  // namespace
 
 std::string toHtml(const AttitudeCalibration& calibration) {
@@ -131,7 +131,8 @@ std::string toHtml(const AttitudeCalibration& calibration) {
   writeCalibrationHead(calibration.training, sentencesOf(calibration), out);
   for (const AxisModel& axis : calibration.axes) {
     writeTable(axis, out);
-    for (const ReportFigure& figure : identificationFigures(axis)) writeFigureSection(figure, out);
+    if (axis.flights.empty()) writeFigures(axis, "", out);
+    for (const AxisModel& flight : axis.flights) writeFigures(flight, fileOf(flight) + ": ", out);
   }
   out << kPageEnd;
   return out.str();

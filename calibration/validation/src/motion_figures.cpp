@@ -45,9 +45,8 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
   result.heading = "What was used";
   result.caption =
       "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
-  if (calibration.data.size() > 1) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", "velocity [m/s]");
-  const MotionTrace& trace = calibration.traces.front();
+  const MotionTrace& trace = calibration.fit.traces.front();
   for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
     if (trace.starts[i + 1] > trace.starts[i])
       panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
@@ -160,12 +159,12 @@ ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound
 
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration) {
   std::vector<ReportFigure> figures;
-  if (calibration.traces.empty()) return figures;
-  figures.push_back(selectionFigure(calibration));
-  for (std::size_t i = 0; i < calibration.traces.size(); ++i) {
+  if (calibration.fit.traces.empty()) return figures;
+  if (!calibration.record.empty()) figures.push_back(selectionFigure(calibration));
+  for (std::size_t i = 0; i < calibration.fit.traces.size(); ++i) {
     const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
-    figures.push_back(timeFigure(calibration.traces[i], bound));
-    figures.push_back(distributionFigure(calibration.traces[i], bound));
+    figures.push_back(timeFigure(calibration.fit.traces[i], bound));
+    figures.push_back(distributionFigure(calibration.fit.traces[i], bound));
   }
   return figures;
 }

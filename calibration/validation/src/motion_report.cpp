@@ -11,7 +11,7 @@ namespace {
 
 std::vector<std::string> sentencesOf(const MotionCalibration& calibration) {
   std::vector<std::string> sentences = calibration.remarks;
-  sentences.insert(sentences.end(), calibration.warnings.begin(), calibration.warnings.end());
+  sentences.insert(sentences.end(), calibration.fit.warnings.begin(), calibration.fit.warnings.end());
   for (const DisturbanceBound& bound : calibration.bounds) {
     for (const std::string& warning : bound.warnings) sentences.push_back("d_" + bound.axis + ": " + warning);
   }
@@ -20,19 +20,19 @@ std::vector<std::string> sentencesOf(const MotionCalibration& calibration) {
 
 // What each of several flights says.
 void writeFlights(const MotionCalibration& calibration, std::ostream& out) {
-  if (calibration.flights.empty()) {
+  if (calibration.fit.flights.empty()) {
     out << "<p>The intervals hold for this flight alone.</p>";
     return;
   }
-  out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
-      << calibration.flights.size()
+  out << "<h3>What each flight says</h3><p>The numbers above are the means of "
+      << calibration.fit.flights.size()
       << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th>";
-  for (const FittedParameter& parameter : calibration.parameters)
+  for (const FittedParameter& parameter : calibration.fit.parameters)
     out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
   out << "</tr>\n";
-  for (std::size_t i = 0; i < calibration.flights.size(); ++i) {
+  for (std::size_t i = 0; i < calibration.fit.flights.size(); ++i) {
     out << "<tr><td>" << escaped(calibration.data[i].file) << "</td>";
-    for (const FittedParameter& parameter : calibration.flights[i])
+    for (const FittedParameter& parameter : calibration.fit.flights[i])
       out << "<td>" << valueWithin(parameter) << "</td>";
     out << "</tr>\n";
   }
@@ -43,7 +43,7 @@ void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>" << escaped(calibration.kind)
       << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>standard "
          "error</th><th>95 % interval</th><th>supported</th></tr>\n";
-  for (const FittedParameter& parameter : calibration.parameters) {
+  for (const FittedParameter& parameter : calibration.fit.parameters) {
     out << (parameter.supported && isBounded(parameter) ? "<tr><td>" : "<tr class='bad'><td>")
         << escaped(parameter.name) << "</td><td>" << number(parameter.value, 4) << " "
         << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
@@ -93,7 +93,7 @@ std::string toHtml(const MotionCalibration& calibration) {
   std::ostringstream out;
   writeCalibrationHead(calibration.data, sentencesOf(calibration), out);
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
-  if (!calibration.parameters.empty()) writeParameters(calibration, out);
+  if (!calibration.fit.parameters.empty()) writeParameters(calibration, out);
   for (const ReportFigure& figure : motionFigures(calibration)) writeFigureSection(figure, out);
   out << kPageEnd;
   return out.str();

@@ -40,8 +40,6 @@ struct FittedParameter {
   double half_width = 0.0;
   /// Whether the data are sufficient to use the value.
   bool supported = true;
-  /// Standard deviation between flights, where there are several; otherwise 0.
-  double between_flights = 0.0;
   /// Lower end of the 95 % confidence interval.
   double least() const { return value - half_width; }
   /// Upper end of the 95 % confidence interval.

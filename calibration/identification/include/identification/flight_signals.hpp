@@ -53,6 +53,12 @@ struct FlightSignals {
   const TimeSeries& at(const std::string& name) const;
 };
 
+/// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
+TimeWindow spanOf(const FlightSignals& flight);
+
+/// Goes on with the next piece of a recording. Its units must be those of the piece before.
+void append(FlightSignals piece, FlightSignals* recording);
+
 /// All names that FlightSignals knows.
 const std::vector<std::string>& signalNames();
 

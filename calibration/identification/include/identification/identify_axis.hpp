@@ -40,23 +40,6 @@ struct IdentifyOptions {
   bool second_order = false;
 };
 
-/// What one of several flights says of an axis.
-struct AxisFlight {
-  std::string source;
-  /// Where its record begins on the clock of all flights [s].
-  double begins = 0.0;
-  /// Windows that were used, in the flight's own time [s].
-  std::vector<TimeWindow> windows;
-  /// What was not used, in the flight's own time.
-  std::vector<RejectedWindow> left_out;
-  /// Parameters of the flight's own model with delay.
-  std::vector<FittedParameter> parameters;
-  /// Fit of the flight's own model [%].
-  double fit_percent = 0.0;
-  /// Fit of the other flights' model on this flight [%].
-  double validation_percent = 0.0;
-};
-
 struct AxisModel {
   std::string axis;
   std::string unit;
@@ -67,14 +50,12 @@ struct AxisModel {
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;
-  /// The flights, if there are several. Empty: the intervals hold for the only flight.
-  std::vector<AxisFlight> flights;
+  /// What each flight says, if there are several: then record, choice and segments stand there only.
+  std::vector<AxisModel> flights;
   /// First-order model of Eq. 37 with a delay.
   LoopFit with_delay;
   /// First-order model of Eq. 37 without a delay.
   LoopFit without_delay;
-  /// Second-order model of Eq. 45 with a delay.
-  std::optional<LoopFit> second_order;
   /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
   /// What controllers can be given, each with its own evaluation: of thrust only `model`.
@@ -86,7 +67,7 @@ struct AxisModel {
   /// Whether the model that problem files take is supported: the one without delay, of thrust the one with.
   bool supported = true;
 
-  /// Time that was used [s].
+  /// Time that was used, of all flights [s].
   double usedTime() const;
   /// Time in which the command moves: what was used, and what was left out because the response does not follow [s].
   double movingTime() const;

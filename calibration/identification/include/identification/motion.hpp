@@ -50,6 +50,10 @@ struct Motion {
 /// when no stretch is long enough, or when a mass is given and thrust_cmd is such a share.
 Motion motionOf(const FlightSignals& signals, const MotionOptions& options);
 
+/// The motions of flights one after the other, with pauses. Throws Error where they differ in what thrust_cmd is. At least
+/// one flight.
+Motion joined(const std::vector<Motion>& flights);
+
 /// Sentences on what makes any result of this motion doubtful: the vehicle hardly moved, or did not
 /// accelerate where it tilted (frame, sign).
 std::vector<std::string> checkMotion(const Motion& motion);
@@ -114,16 +118,19 @@ struct MotionFit {
   std::vector<FittedParameter> parameters;
   std::vector<MotionTrace> traces;
   std::vector<std::string> warnings;  ///< sentences
+  /// Parameters of each flight, if there are several.
+  std::vector<std::vector<FittedParameter>> flights;
 };
 
 /// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s]. Each has the mean
 /// disturbance beside it; names drag_x, offset_x, and so on. Then those of the rotors along the body's heading and to
-/// its left, with one mean disturbance in W; names drag_forward, drag_left.
-MotionFit fitDrag(const Motion& motion);
+/// its left, with one mean disturbance in W; names drag_forward, drag_left. Of several flights the means (meanParameters); pictures are those
+/// of each flight. At least one flight.
+MotionFit fitDrag(const std::vector<Motion>& flights);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
 /// [N]; names mass, hover_thrust. Of a command that is a share of full thrust only hover_command, with a
-/// warning. Throws Error if there is no thrust_cmd.
-MotionFit fitMass(const Motion& motion, const MotionOptions& options);
+/// warning. Of several flights the means, as in fitDrag. Throws Error if there is no thrust_cmd.
+MotionFit fitMass(const std::vector<Motion>& flights, const MotionOptions& options);
 
 }  // namespace polyfly

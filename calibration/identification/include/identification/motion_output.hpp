@@ -16,23 +16,17 @@ struct MotionCalibration {
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> data;
   VehicleKind vehicle;
-  /// Sentences on what was wrong with the file.
   /// True: parts of a flight's record are lost. The remarks say which.
   bool lossy = false;
+  /// Sentences on what was wrong with the files.
   std::vector<std::string> remarks;
   /// Windows that were used, one list for each flight. Empty: the whole record.
   std::vector<std::vector<TimeWindow>> windows;
   BoundOptions limits;
   std::vector<DisturbanceBound> bounds;
-  std::vector<FittedParameter> parameters;
-  /// Parameters of each flight, if there are several.
-  std::vector<std::vector<FittedParameter>> flights;
-  /// Warnings as sentences.
-  std::vector<std::string> warnings;
-
-  // For the pictures of the report; not in YAML or text.
-  std::vector<MotionTrace> traces;
-  /// Velocities of the whole record, by name [m/s].
+  /// Parameters of drag or mass; of a disturbance only pictures and warnings.
+  MotionFit fit;
+  /// Velocities of the whole record of a single flight, by name [m/s]; for the page only.
   std::vector<std::pair<std::string, TimeSeries>> record;
 };
 
