@@ -172,7 +172,7 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
   if (!arguments.vehicle.empty()) signals.vehicle = {arguments.vehicle, "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
-  for (const std::string& remark : settleUnits(&signals, arguments.on_ground))
+  for (const std::string& remark : checkUnits(&signals, arguments.on_ground))
     remarks->push_back(path + ": " + remark);
   for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);
   const std::vector<RejectedWindow> found = findNonFlight(signals, arguments.on_ground);

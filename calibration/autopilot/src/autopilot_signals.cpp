@@ -80,9 +80,9 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"pitch", "ATT", "Pitch", -kDegrees},
                                 {"yaw", "ATT", "Yaw", -kDegrees, 0.5 * kPi},
                                 {"yaw_rate_cmd", "RATE", "YDes", -kDegrees},
-                                {"yaw_rate_cmd", "RATE", "YawDes", -kDegrees},
+                                {"yaw_rate_cmd", "RATE", "YawDes", -0.01 * kDegrees},
                                 {"yaw_rate", "RATE", "Y", -kDegrees},
-                                {"yaw_rate", "RATE", "Yaw", -kDegrees},
+                                {"yaw_rate", "RATE", "Yaw", -0.01 * kDegrees},
                                 {"thrust_cmd", "CTUN", "ThO"},
                                 {"thrust_cmd", "CTUN", "ThrOut"},
                                 {"specific_force_z", "IMU", "AccZ", -1.0},
@@ -235,6 +235,29 @@ void addChoice(const Choice& choice, const AutopilotLog& log, FlightSignals* sig
   signals->origin[choice.signal] = choice.text;
 }
 
+double rootMeanSquare(const TimeSeries& series) {
+  double squares = 0.0;
+  for (const double value : series.value) squares += std::isfinite(value) ? value * value : 0.0;
+  return series.value.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(series.value.size()));
+}
+
+// ArduCopter before 3.4 wrote RATE in hundredths of degrees per second under the same names. The gyro tells which.
+void settleRate(AutopilotSignals* result) {
+  FlightSignals* signals = &result->signals;
+  constexpr double kHundredth = 0.01;
+  constexpr double kBetween = 10.0;
+  for (const char* name : {"yaw_rate", "gyro_z"}) {
+    if (!signals->has(name)) return;
+  }
+  if (signals->origin.at("yaw_rate") != "RATE:Y") return;
+  if (!(rootMeanSquare(signals->at("yaw_rate")) > kBetween * rootMeanSquare(signals->at("gyro_z")))) return;
+  for (const char* name : {"yaw_rate", "yaw_rate_cmd"}) {
+    if (!signals->has(name) || signals->origin.at(name).rfind("RATE:Y", 0) != 0) continue;
+    for (double& value : signals->series.at(name).value) value *= kHundredth;
+  }
+  result->remarks.emplace_back("RATE is in hundredths of degrees per second, by the gyro");
+}
+
 bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
 
 // A command as the loop got it: an autopilot logs one of many values that it sent, so between two of them the
@@ -326,6 +349,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
   result.signals.vehicle = loggedVehicle(log);
   for (const Choice& one : choices) addChoice(one, log, &result.signals);
   for (const Place& place : places) addSeries(place, log, &result.signals);
+  settleRate(&result);
   const bool chosen = choice.count("thrust_cmd") > 0;
   result.signals.thrust_is_share = result.signals.has("thrust_cmd") && !chosen;
   for (auto& [name, series] : result.signals.series) {
