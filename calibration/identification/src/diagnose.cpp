@@ -1,21 +1,13 @@
 #include "diagnose.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
-// Greatest standard error of the time constant, relative to its value.
-constexpr double kVagueTau = 0.25;
-// Greatest standard error of the gain, relative to its value.
-constexpr double kVagueGain = 0.08;
-// Correlation above which two parameters cannot be told apart.
-constexpr double kInseparable = 0.97;
 // Least gain of an angle loop whose command and response have one scale.
 constexpr double kLeastGain = 0.7;
 constexpr double kGreatestGain = 1.4;
@@ -33,19 +25,8 @@ constexpr double kLeadGain = 0.5;
 constexpr double kLongDelay = 0.45;  // [s]
 // Greatest lead that is searched for [s].
 constexpr double kClockBound = 0.5;
-constexpr double kManyOutliers = 0.3;
 // Share of the samples that may be left out without a warning.
 constexpr double kManyLeftOut = 0.02;
-// Share of the greatest predicted response above which saturation shows.
-constexpr double kGreatPart = 0.7;
-// Share by which the response stays behind where the loop saturates.
-constexpr double kSaturatedShare = 0.1;
-// Share of the samples at an extreme above which the command counts as clipped.
-constexpr double kClippedShare = 0.05;
-// Share of the command's range within which two levels are one.
-constexpr double kRestShare = 0.02;
-// Number of levels from which on a command counts as continuous.
-constexpr std::size_t kContinuous = 50;
 // Share of the time with a moving command in which the response must follow.
 constexpr double kFollowedShare = 0.85;
 // Correlation above which a signal follows a command.
@@ -69,8 +50,6 @@ class Diagnosis {
     scale();
     frame();
     clock();
-    excitation();
-    saturation();
     quality();
     following();
     return warnings_;
@@ -152,123 +131,11 @@ class Diagnosis {
     if (model_.lead > 0.0) say(leadSentence(model_.lead));
   }
 
-  void excitation() {
-    const LoopFit& fit = model_.with_delay;
-    const FittedParameter* tau = fit.find("tau");
-    const FittedParameter* gain = fit.find("gain");
-    if (!(tau->standard_error <= kVagueTau * tau->value)) {
-      say(
-          text("Too little excitation for the time constant: %.3f s with a standard error of %.3f s. Fly "
-               "quicker steps "
-               "(2-1-1 manoeuvres).",
-               tau->value, tau->standard_error));
-    }
-    if (!(gain->standard_error <= kVagueGain * std::abs(gain->value))) {
-      say(text(
-          "Too little excitation for the gain: %.3f with a standard error of %.3f. Fly longer, with greater "
-          "amplitudes.",
-          gain->value, gain->standard_error));
-    }
-    const auto count = static_cast<Eigen::Index>(fit.parameters.size());
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index j = 0; j < i; ++j) {
-        if (std::abs(fit.correlation(i, j)) <= kInseparable) continue;
-        say(fit.parameters[static_cast<std::size_t>(j)].name + " and " +
-            fit.parameters[static_cast<std::size_t>(i)].name +
-            text(" cannot be told apart with these data (correlation %.3f): only together they fit.",
-                 fit.correlation(i, j)));
-      }
-    }
-    if (tau->value < 1.05 * bounds_.tau_least || tau->value > 0.95 * bounds_.tau_greatest) {
-      say(
-          text("The time constant lies at the end of what was searched (%.3f s): a first-order model does "
-               "not describe "
-               "this loop.",
-               tau->value));
-    }
-  }
-
-  void saturation() {
-    commandClipped();
-    // Where the model's response is great: does the measured one stay behind?
-    double greatest = 0.0;
-    const LoopFit& fit = model_.with_delay;
-    for (const auto& part : fit.prediction) {
-      for (const double value : part) greatest = std::max(greatest, std::abs(value - fit.offset));
-    }
-    double behind = 0.0;
-    double size = 0.0;
-    for (std::size_t i = 0; i < fit.prediction.size(); ++i) {
-      for (std::size_t k = 0; k < fit.prediction[i].size(); ++k) {
-        const double predicted = fit.prediction[i][k] - fit.offset;
-        if (std::abs(predicted) < kGreatPart * greatest) continue;
-        behind += std::copysign(1.0, predicted) * (fit.prediction[i][k] - model_.segments[i].response[k]);
-        size += std::abs(predicted);
-      }
-    }
-    if (size > 0.0 && behind > kSaturatedShare * size) {
-      say(
-          text("At great commands the response stays %.0f %% behind what the model of all data says: the "
-               "loop saturates "
-               "there.",
-               100.0 * behind / size));
-    }
-  }
-
-  bool isUsed(double time) const {
-    return std::any_of(model_.segments.begin(), model_.segments.end(), [time](const LoopSegment& segment) {
-      return segment.time.front() <= time && time <= segment.time.back();
-    });
-  }
-
-  // A continuous command that is often exactly at its extreme has been cut off there, unless it rests there.
-  void commandClipped() {
-    std::map<double, std::size_t> used;
-    std::map<double, std::size_t> all;
-    std::size_t samples = 0;
-    const TimeSeries& command = model_.record.command;
-    for (std::size_t i = 0; i < command.time.size(); ++i) {
-      ++all[command.value[i]];
-      if (!isUsed(command.time[i])) continue;
-      ++used[command.value[i]];
-      ++samples;
-    }
-    if (used.size() < kContinuous) return;
-    const auto rest = std::max_element(
-        all.begin(), all.end(), [](const auto& one, const auto& other) { return one.second < other.second; });
-    const double near = kRestShare * (all.rbegin()->first - all.begin()->first);
-    const auto isLimit = [&](double level, double extreme) {
-      // Zero is the middle of every command but that of thrust.
-      const bool middle = !isThrust() && std::abs(level) <= near;
-      const bool passed = std::abs(extreme - level) > near;
-      const bool rests = rest->first == level && level != all.begin()->first && level != all.rbegin()->first;
-      return !middle && !passed && !rests;
-    };
-    for (const auto& [end, extreme] : {std::make_pair(*used.begin(), all.begin()->first),
-                                       std::make_pair(*used.rbegin(), all.rbegin()->first)}) {
-      const double share = static_cast<double>(end.second) / static_cast<double>(samples);
-      if (share <= kClippedShare || !isLimit(end.first, extreme)) continue;
-      say(text("The command is at its limit (%.3g) in %.0f %% of the samples.", end.first, 100.0 * share));
-    }
-  }
-
   void quality() {
-    const LoopFit& fit = model_.with_delay;
-    if (fit.fit_percent < kLeastFit) {
-      say(text("The model explains little of the response (fit %.1f %%): do not rely on these numbers.",
-               fit.fit_percent));
-    }
     if (model_.validation &&
         model_.validation->validation_percent < model_.validation->training_percent - kDropFit) {
       say(text("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
                model_.validation->training_percent, model_.validation->validation_percent));
-    }
-    if (fit.outlier_share > kManyOutliers) {
-      say(
-          text("%.0f %% of the samples lie outside of what the residuals' middle half suggests: outliers, or "
-               "a model that "
-               "does not fit.",
-               100.0 * fit.outlier_share));
     }
     const auto total =
         static_cast<double>(model_.record.response.time.size() + model_.record.command.time.size());

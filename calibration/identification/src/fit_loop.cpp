@@ -190,7 +190,6 @@ LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& opti
   fit.residual_scale = search.scale;
   const Eigen::VectorXd residuals = part.residuals();
   fit.residual_rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
-  fit.outlier_share = (residuals.array().abs() > kHuberReach * search.scale).cast<double>().mean();
   fit.samples = static_cast<std::size_t>(part.samples());
   fit.fit_percent = fitPercent(part.response(), part.model());
   fit.prediction = split(part.model(), part.starts());

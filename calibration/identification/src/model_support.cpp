@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "linear_part.hpp"
-
 namespace polyfly {
 namespace {
 
@@ -119,14 +117,6 @@ LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>&
   result.fit_percent = prediction.fit_percent;
   result.residual_rms = prediction.residual_rms;
   result.prediction = std::move(prediction.prediction);
-  std::size_t outside = 0;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (std::size_t k = 0; k < segments[i].response.size(); ++k) {
-      const double residual = std::abs(segments[i].response[k] - result.prediction[i][k]);
-      outside += residual > kHuberReach * result.residual_scale ? 1 : 0;
-    }
-  }
-  result.outlier_share = static_cast<double>(outside) / static_cast<double>(result.samples);
   return result;
 }
 

@@ -62,8 +62,6 @@ struct LoopFit {
   double residual_rms = 0.0;
   /// Robust standard deviation of the residuals.
   double residual_scale = 0.0;
-  /// Share of the samples that the loss weighs down.
-  double outlier_share = 0.0;
   std::size_t samples = 0;
   /// Predicted response of each segment, at its samples.
   std::vector<std::vector<double>> prediction;
