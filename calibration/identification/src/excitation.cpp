@@ -13,8 +13,6 @@ constexpr double kGrid = 0.05;
 constexpr double kBusyShare = 0.9;
 // Gap below which two windows are joined [s].
 constexpr double kJoin = 1.0;
-// Length of the pieces of a window that are judged separately [s].
-constexpr double kPiece = 4.0;
 // Activity below which the command counts as constant.
 constexpr double kLeastActivity = 1e-9;
 
@@ -126,26 +124,6 @@ double correlation(const std::vector<double>& command, const std::vector<double>
   return scale > 0.0 ? product / scale : 0.0;
 }
 
-// The window in pieces of about kPiece; what lies on the ground or in another mode is told apart from the
-// rest.
-std::vector<TimeWindow> pieces(const TimeWindow& window) {
-  const double count = std::max(1.0, std::floor((window.to - window.from) / kPiece));
-  std::vector<TimeWindow> result;
-  for (double i = 0.0; i < count; ++i) {
-    result.push_back({window.from + (window.to - window.from) * i / count,
-                      window.from + (window.to - window.from) * (i + 1.0) / count});
-  }
-  return result;
-}
-
-void append(const TimeWindow& piece, std::vector<TimeWindow>* windows) {
-  if (!windows->empty() && windows->back().to >= piece.from) {
-    windows->back().to = piece.to;
-  } else {
-    windows->push_back(piece);
-  }
-}
-
 }  // namespace
 
 double heldValue(const TimeSeries& series, double time) {
@@ -176,23 +154,6 @@ TimeSeries within(const TimeSeries& series, const TimeWindow& window) {
   return {{from, to}, {value + (from - series.time.begin()), value + (to - series.time.begin())}};
 }
 
-// Keeps what the response follows of a window in which the command is active.
-void judge(const LoopRecord& record, const TimeWindow& window, const ExcitationSearchOptions& options,
-           ExcitationChoice* choice) {
-  if (window.to - window.from < options.least_window) {
-    choice->rejected.push_back({window, "too short"});
-    return;
-  }
-  std::vector<TimeWindow> unanswered;
-  for (const TimeWindow& piece : pieces(window)) {
-    const double follows = bestCorrelation(record.command, record.response, piece, options.greatest_lag);
-    append(piece, std::abs(follows) < options.least_correlation ? &unanswered : &choice->windows);
-  }
-  for (const TimeWindow& piece : unanswered) {
-    choice->rejected.push_back({piece, "the response does not follow the command"});
-  }
-}
-
 }  // namespace
 
 ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options) {
@@ -219,7 +180,11 @@ ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSear
   if (choice.threshold < kLeastActivity) return choice;
   for (const ActivePiece& piece : active) {
     for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, options.margin, piece)) {
-      judge(record, window, options, &choice);
+      if (window.to - window.from < options.least_window) {
+        choice.rejected.push_back({window, "too short"});
+      } else {
+        choice.windows.push_back(window);
+      }
     }
   }
   return choice;

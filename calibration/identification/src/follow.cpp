@@ -167,12 +167,8 @@ double ratioOf(const Cell& stretch) {
 
 double missedBy(const Cell& stretch) { return std::sqrt(stretch.residual / std::max(1.0, stretch.samples)); }
 
-bool missesByFar(const Cell& stretch, double usual) {
-  return ratioOf(stretch) > kExplained && missedBy(stretch) > kFarAway * usual;
-}
-
 bool isStray(const Cell& stretch, double usual) {
-  return missesByFar(stretch, usual) ||
+  return (ratioOf(stretch) > kExplained && missedBy(stretch) > kFarAway * usual) ||
          (ratioOf(stretch) > kUnexplained && missedBy(stretch) > kAway * usual);
 }
 
@@ -184,20 +180,7 @@ std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
     std::fill_n(stray.begin() + static_cast<std::ptrdiff_t>(i), std::min(kJudgedCells, cells.size() - i),
                 true);
   }
-  // Short stretches must miss by far.
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool at_end = i == 0 || i + 1 == cells.size();
-    if (at_end && missesByFar(cells[i], usual)) stray[i] = true;
-    if (i == 0) continue;
-    Cell pair = cells[i - 1];
-    pair.response += cells[i].response;
-    pair.residual += cells[i].residual;
-    pair.samples += cells[i].samples;
-    if (missesByFar(pair, usual)) stray[i - 1] = stray[i] = true;
-  }
-  const auto misses = [&](std::size_t i) {
-    return cells[i].residual > kAway * kAway * usual * usual * cells[i].samples;
-  };
+  const auto misses = [&](std::size_t i) { return missedBy(cells[i]) > kAway * usual; };
   for (std::size_t i = 1; i < cells.size(); ++i) {
     if (stray[i - 1] && misses(i)) stray[i] = true;
   }

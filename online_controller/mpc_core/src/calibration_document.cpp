@@ -9,8 +9,7 @@
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, 7> kCalibrationKinds = {"attitude", "drag",    "disturbance", "mass",
-                                                          "thrust",   "heading", "wind"};
+constexpr std::array<const char*, 4> kCalibrationKinds = {"attitude", "drag", "disturbance", "mass"};
 // Value of the key polyfly_calibration.
 constexpr int kCalibrationFormat = 1;
 
@@ -20,8 +19,8 @@ std::string kindOf(const YamlField& root) {
   root.at("polyfly_calibration").integer(kCalibrationFormat, kCalibrationFormat);
   const YamlField kind = root.at("kind");
   if (std::find(kCalibrationKinds.begin(), kCalibrationKinds.end(), kind.text()) == kCalibrationKinds.end())
-    kind.fail("must be attitude, drag, disturbance, mass, thrust, heading or wind, got '" + kind.text() +
-              "'");
+    kind.fail("must be attitude, drag, disturbance or mass, got '" + kind.text() +
+              "'; thrust, heading and wind are written by hand, see calibration/README.md");
   return kind.text();
 }
 

@@ -19,9 +19,6 @@ struct ExcitationSearchOptions {
   double margin = 0.5;
   /// Least length of a window. Shorter windows are left out [s].
   double least_window = 3.0;
-  /// Least correlation of response and command at the best lag. Below it, the loop did not answer.
-  double least_correlation = 0.5;
-  double greatest_lag = 1.0;  ///< [s]
 };
 
 /// What of a flight is used, and why not the rest.
@@ -34,7 +31,7 @@ struct ExcitationChoice {
   double threshold = 0.0;
 };
 
-/// Finds the windows in which the vehicle flies, the command is active and the response follows it at all.
+/// Finds the windows in which the vehicle flies and the command is active.
 /// Clean record.
 ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options);
 
