@@ -17,6 +17,7 @@
 #include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -31,11 +32,6 @@ std::map<std::string, std::string> parseSignals(const std::vector<std::string>& 
     choice[text.substr(0, equals)] = text.substr(equals + 1);
   }
   return choice;
-}
-
-bool isBag(const std::string& path) {
-  constexpr std::size_t kEnding = 4;
-  return path.size() > kEnding && path.compare(path.size() - kEnding, kEnding, ".bag") == 0;
 }
 
 }  // namespace
@@ -142,7 +138,7 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
     for (const std::string& remark : log.remarks) remarks->push_back(path + ": " + remark);
     return log.signals;
   }
-  if (!isBag(path)) {
+  if (!endsWith(path, ".bag")) {
     FlightSignals signals = signalsFromCsv(readCsv(path), choice);
     for (const std::string& remark : signals.remarks) remarks->push_back(path + ": " + remark);
     *provenance = provenanceOf(path);

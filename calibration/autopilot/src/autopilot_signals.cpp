@@ -183,28 +183,12 @@ struct Choice {
 };
 
 Choice parseChoice(const std::string& path, const std::string& signal, const std::string& text) {
-  Choice choice{signal, text, "", "", 1.0};
-  std::string rest = text;
-  if (!rest.empty() && rest.front() == '-') {
-    choice.scale = -1.0;
-    rest.erase(0, 1);
-  }
-  const std::size_t colon = rest.find(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == rest.size()) {
+  const ChosenPlace chosen = chosenPlace(signal, text);
+  const std::size_t colon = chosen.place.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == chosen.place.size()) {
     throw Error(path + ": --signal " + signal + "=" + text + ": must be TABLE:FIELD");
   }
-  choice.table = rest.substr(0, colon);
-  choice.field = rest.substr(colon + 1);
-  const std::size_t unit = choice.field.find(":deg");
-  if (unit != std::string::npos && unit + 4 == choice.field.size()) {
-    choice.field.resize(unit);
-    choice.scale *= kDegrees;
-  }
-  const auto& names = signalNames();
-  if (std::find(names.begin(), names.end(), signal) == names.end()) {
-    throw Error(path + ": --signal " + signal + ": is no signal of identification");
-  }
-  return choice;
+  return {signal, text, chosen.place.substr(0, colon), chosen.place.substr(colon + 1), chosen.factor()};
 }
 
 // The name of a table without its instance.

@@ -9,7 +9,6 @@ namespace polyfly {
 namespace {
 
 const char* const kAxes[] = {"x", "y", "z"};
-constexpr double kShares[] = {0.0, 0.005, 0.025, 0.25, 0.5, 0.75, 0.975, 0.995, 1.0};
 // Number of parts of the record that are compared with each other.
 constexpr Eigen::Index kParts = 4;
 // Number of standard errors by which means may differ.
@@ -107,7 +106,6 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
     bound.independent_samples = independentSamples(residual, starts);
     std::vector<double> sorted(residual.data(), residual.data() + residual.size());
     std::sort(sorted.begin(), sorted.end());
-    for (const double share : kShares) bound.quantiles.emplace_back(share, sortedQuantile(sorted, share));
     // Both sides must hold.
     const double outside = 0.5 * (1.0 - limits.share);
     const auto [beyond, reached] =

@@ -7,6 +7,7 @@
 #include "csv_times.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -73,11 +74,7 @@ bool matches(const Pattern& pattern, const std::string& column) {
 }
 
 double unitOf(const std::string& column) {
-  const auto ends = [&column](const std::string& ending) {
-    return column.size() >= ending.size() &&
-           column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
-  };
-  return ends("_deg") || ends("_degps") ? kRadiansPerDegree : 1.0;
+  return endsWith(column, "_deg") || endsWith(column, "_degps") ? kRadiansPerDegree : 1.0;
 }
 
 bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
@@ -113,9 +110,6 @@ TimeSeries CsvColumns::series(const std::string& signal, const std::string& colu
 
 std::vector<std::string> CsvColumns::remarks() const {
   std::vector<std::string> remarks;
-  for (const CsvTimes* times : {&times_, &command_times_}) {
-    if (!times->remark.empty()) remarks.push_back(times->remark);
-  }
   if (log_.decimal_comma) remarks.emplace_back("its numbers have a decimal comma");
   if (log_.unreadable > 0)
     remarks.push_back(std::to_string(log_.unreadable) + " fields are neither a number nor empty");
@@ -210,6 +204,26 @@ const std::vector<std::string>& signalNames() {
   return kNames;
 }
 
+double ChosenPlace::factor() const { return sign * (in_degrees ? kRadiansPerDegree : 1.0); }
+
+ChosenPlace chosenPlace(const std::string& signal, const std::string& text) {
+  const std::vector<std::string>& names = signalNames();
+  if (std::find(names.begin(), names.end(), signal) == names.end()) {
+    std::string known;
+    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+    throw Error("--signal " + signal + ": is none of " + known);
+  }
+  ChosenPlace chosen{text};
+  if (!text.empty() && text.front() == '-') {
+    chosen.sign = -1.0;
+    chosen.place.erase(0, 1);
+  }
+  const std::string degrees = ":deg";
+  chosen.in_degrees = endsWith(chosen.place, degrees);
+  if (chosen.in_degrees) chosen.place.resize(chosen.place.size() - degrees.size());
+  return chosen;
+}
+
 TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name) {
   return signals.has(name) ? cleaned(signals.at(name)) : TimeSeries{};
 }
@@ -241,20 +255,10 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
   signals.places = log.names;
   for (const auto& [signal, column] : choice) {
     if (signal == "time" || signal == "cmd_time") continue;
-    const auto& names = signalNames();
-    if (std::find(names.begin(), names.end(), signal) == names.end()) {
-      std::string known = "time, cmd_time";
-      for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-      throw Error("--signal " + signal + ": is none of " + known);
-    }
-    const bool turned = !column.empty() && column.front() == '-';
-    const std::string ending = ":deg";
-    const bool degrees = column.size() > ending.size() &&
-                         column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
-    const std::size_t from = turned ? 1 : 0;
-    const std::string name = column.substr(from, column.size() - from - (degrees ? ending.size() : 0));
-    const double factor = (turned ? -1.0 : 1.0) * (degrees ? kRadiansPerDegree / unitOf(name) : 1.0);
-    signals.series[signal] = columns.series(signal, name, factor);
+    const ChosenPlace chosen = chosenPlace(signal, column);
+    // What the name of the column says of its unit, the choice says again.
+    const double named = chosen.in_degrees ? unitOf(chosen.place) : 1.0;
+    signals.series[signal] = columns.series(signal, chosen.place, chosen.factor() / named);
     signals.origin[signal] = column;
   }
   for (const Pattern& pattern : patterns()) {

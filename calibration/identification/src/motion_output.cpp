@@ -23,12 +23,7 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
         << "\n    supported: " << (bound.supported ? "true" : "false")
         << "\n    confidence: " << yamlNumber(bound.confidence)
         << "  # reached\n    independent_samples: " << yamlNumber(bound.independent_samples)
-        << "\n    quantiles: [";
-    for (std::size_t i = 0; i < bound.quantiles.size(); ++i) {
-      out << (i > 0 ? ", " : "") << "[" << yamlNumber(bound.quantiles[i].first) << ", "
-          << yamlNumber(bound.quantiles[i].second) << "]";
-    }
-    out << "]\n";
+        << "\n";
     writeSentences("warnings", "    ", bound.warnings, out);
   }
 }

@@ -55,20 +55,6 @@ void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "</section>\n";
 }
 
-// How much of the time the disturbance lies below a value.
-void writeQuantiles(const MotionCalibration& calibration, std::ostream& out) {
-  out << "<h3>Quantiles</h3><div class='scroll'><table><tr><th>axis</th>";
-  for (const auto& [share, value] : calibration.bounds.front().quantiles)
-    out << "<th>" << number(100.0 * share) << " %</th>";
-  out << "</tr>\n";
-  for (const DisturbanceBound& bound : calibration.bounds) {
-    out << "<tr><td>" << escaped(bound.axis) << "</td>";
-    for (const auto& [share, value] : bound.quantiles) out << "<td>" << number(value) << "</td>";
-    out << "</tr>\n";
-  }
-  out << "</table></div>";
-}
-
 void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>disturbance: bounds</h2><p>" << number(100.0 * calibration.limits.share, 4)
       << " % of the time within, asked for with a confidence of " << number(calibration.limits.confidence)
@@ -83,7 +69,6 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
         << "</td></tr>\n";
   }
   out << "</table></div>";
-  writeQuantiles(calibration, out);
   out << "</section>\n";
 }
 

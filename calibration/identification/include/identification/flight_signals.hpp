@@ -62,6 +62,19 @@ void append(FlightSignals piece, FlightSignals* recording);
 /// All names that FlightSignals knows.
 const std::vector<std::string>& signalNames();
 
+/// A place as the user names it: `-PLACE:deg` turns the sign and makes radians of degrees.
+struct ChosenPlace {
+  std::string place;
+  double sign = 1.0;
+  bool in_degrees = false;
+
+  /// From the value at the place to that of the signal.
+  double factor() const;
+};
+
+/// Throws Error where FlightSignals knows no such signal.
+ChosenPlace chosenPlace(const std::string& signal, const std::string& text);
+
 /// The signal without samples that cannot be used (see cleaned). Empty if there is none.
 TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name);
 

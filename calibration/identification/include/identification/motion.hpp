@@ -88,8 +88,6 @@ struct DisturbanceBound {
   double confidence = 0.0;
   /// Number of independent samples that would tell as much as the record.
   double independent_samples = 0.0;
-  /// Shares and their quantiles [m/s^2].
-  std::vector<std::pair<double, double>> quantiles;
   /// Warnings as sentences.
   std::vector<std::string> warnings;
   /// True: the confidence is reached, checkMotion finds the motion sound, and no bound exceeds gravity.
