@@ -44,8 +44,7 @@ void printOptions(const OptionsTarget& target, const std::vector<CalibrationFile
 }
 
 void applyToProblem(const ApplyArguments& arguments, const std::vector<CalibrationFile>& files) {
-  const AppliedCalibration applied =
-      applyCalibrations(readText(arguments.problem), arguments.problem, files);
+  const AppliedCalibration applied = applyCalibrations(readText(arguments.problem), arguments.problem, files);
   // What is written must be a problem; a robust one is checked for what a controller needs of it.
   parseFlightModel(applied.problem, arguments.problem + " with its calibration");
   writeFileAtomically(arguments.output, applied.problem);
@@ -84,7 +83,8 @@ int apply(const ApplyArguments& arguments) {
 void addApplyCommand(CLI::App& app, int* result) {
   const auto arguments = std::make_shared<ApplyArguments>();
   CLI::App* command = app.add_subcommand(
-      "apply", "Write calibrations into a problem file, or print them as a node's options, with their provenance.");
+      "apply",
+      "Write calibrations into a problem file, or print them as a node's options, with their provenance.");
   command
       ->add_option("calibrations", arguments->calibrations,
                    "Output files (-o) of attitude, drag, disturbance and mass.")
@@ -92,8 +92,9 @@ void addApplyCommand(CLI::App& app, int* result) {
       ->type_name("FILE...");
   command->add_option("--problem", arguments->problem, "Problem file to calibrate.")->type_name("FILE");
   command
-      ->add_option("--options", arguments->options.vehicle,
-                   "Print the block to paste into the options of this vehicle's node: multirotor or fixed_wing.")
+      ->add_option(
+          "--options", arguments->options.vehicle,
+          "Print the block to paste into the options of this vehicle's node: multirotor or fixed_wing.")
       ->type_name("VEHICLE");
   command->add_flag("--predicts-delay", arguments->options.predicts_delay,
                     "With --options: the controller predicts over the delay.");

@@ -13,9 +13,11 @@ struct RemovedCommand {
 };
 
 constexpr RemovedCommand kRemovedCommands[] = {
-    {"heading", "compare the direction of acceleration with that of tilt by hand, as calibration/README.md says"},
-    {"thrust", "'calibrate mass' finds the command that hovers, which is output/hover_thrust; write a bent curve as "
-               "output/thrust_polynomial by hand"},
+    {"heading",
+     "compare the direction of acceleration with that of tilt by hand, as calibration/README.md says"},
+    {"thrust",
+     "'calibrate mass' finds the command that hovers, which is output/hover_thrust; write a bent curve as "
+     "output/thrust_polynomial by hand"},
     {"wind", "fly circles, and take the mean of the velocity over ground"},
 };
 

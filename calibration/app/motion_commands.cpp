@@ -37,8 +37,7 @@ std::vector<Motion> readMotions(const MotionArguments& arguments, MotionCalibrat
     calibration->lossy = calibration->lossy || flight.signals.lossy;
     calibration->data.push_back(flight.provenance);
     for (const char* name : {"vx", "vy", "vz"}) {
-      if (flights.size() == 1)
-        calibration->record.emplace_back(name, cleaned(flight.signals.at(name)));
+      if (flights.size() == 1) calibration->record.emplace_back(name, cleaned(flight.signals.at(name)));
     }
   }
   return motions;
@@ -146,7 +145,6 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMotion(*command, *mass);
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
-
 }
 
 }  // namespace polyfly

@@ -67,9 +67,8 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
   command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
       ->type_name("FILE");
   command
-      .add_option(
-          "--vehicle", arguments.vehicle,
-          "Kind of the vehicle. Only logs of PX4 and ArduPilot tell it by themselves.")
+      .add_option("--vehicle", arguments.vehicle,
+                  "Kind of the vehicle. Only logs of PX4 and ArduPilot tell it by themselves.")
       ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");

@@ -45,7 +45,8 @@ TEST_F(CalibrateTool, HandsOutWhatFlewWithinItsIntervals) {
   EXPECT_EQ(run("apply roll.yaml -o x.yaml"), 2);
   EXPECT_EQ(run("apply roll.yaml --problem " + problem + " --options multirotor -o x.yaml"), 2);
   EXPECT_EQ(run("apply roll.yaml --options firefly.yaml"), 2);
-  EXPECT_NE(err().find("--options firefly.yaml: writes no file any more; --options multirotor"), std::string::npos)
+  EXPECT_NE(err().find("--options firefly.yaml: writes no file any more; --options multirotor"),
+            std::string::npos)
       << err();
 }
 

@@ -25,8 +25,7 @@ TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
   writeStretches(test::makeStretches(made, 1).signals, "tumble.csv");
   for (const std::string command : {"attitude", "disturbance --mass 1.5", "drag", "mass"}) {
     ASSERT_EQ(run(command + " tumble.csv -o out.yaml --report page"), 0) << err();
-    EXPECT_NE(out().find("s: upset, not commanded"), std::string::npos) << command << "\n"
-                                                                                    << out();
+    EXPECT_NE(out().find("s: upset, not commanded"), std::string::npos) << command << "\n" << out();
     EXPECT_NE(contents(folder_ / "out.yaml").find("upset, not commanded"), std::string::npos) << command;
     EXPECT_NE(contents(folder_ / "page/index.html").find("upset, not commanded"), std::string::npos)
         << command;
@@ -105,9 +104,7 @@ TEST_F(CalibrateTool, TakesThePiecesOfARecordingForOneFlight) {
     const YAML::Node roll = YAML::LoadFile(folder_ / "pieces.yaml")["axes"]["roll"];
     EXPECT_FALSE(roll["flights"]);
     const YAML::Node whole = YAML::LoadFile(folder_ / "whole.yaml")["axes"]["roll"];
-    const auto gain = [](const YAML::Node& axis) {
-      return axis["model"]["gain"].as<double>();
-    };
+    const auto gain = [](const YAML::Node& axis) { return axis["model"]["gain"].as<double>(); };
     EXPECT_EQ(gain(roll), gain(whole));
   }
 }

@@ -128,7 +128,8 @@ TEST_F(CalibrateTool, WritesBesideAndRenames) {
 }
 
 TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
-  ASSERT_EQ(run("attitude flight.csv -o roll.yaml --second-order --recorded 2026-01-02 --strict"), 0) << err() << out();
+  ASSERT_EQ(run("attitude flight.csv -o roll.yaml --second-order --recorded 2026-01-02 --strict"), 0)
+      << err() << out();
   const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
   EXPECT_EQ(yaml["polyfly_calibration"].as<int>(), 1);
   EXPECT_EQ(yaml["data"]["training"]["file"].as<std::string>(), "flight.csv");

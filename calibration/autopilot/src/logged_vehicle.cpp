@@ -40,8 +40,7 @@ VehicleKind ofMessages(const AutopilotLog& log) {
   };
   if (has("QTUN")) return {};  // a plane with lift rotors
   for (const char* name : {"TECS", "AETR"}) {
-    if (has(name))
-      return {"fixed_wing", std::string("The log has ") + name + ", which ArduPlane writes."};
+    if (has(name)) return {"fixed_wing", std::string("The log has ") + name + ", which ArduPlane writes."};
   }
   if (has("MOTB")) return {"multirotor", "The log has MOTB, which ArduCopter writes."};
   return {};

@@ -29,12 +29,10 @@ TEST_F(LoggedVehicle, px4NamesItsKindOfVehicleInItsStatus) {
     std::vector<std::uint8_t> values;
     std::string kind;
   };
-  for (const Case& one : {Case{"vehicle_type", {1, 1}, "multirotor"},
-                          Case{"vehicle_type", {2, 2}, "fixed_wing"},
-                          Case{"vehicle_type", {1, 2}, "unknown"},
-                          Case{"is_rotary_wing", {1, 1}, "multirotor"},
-                          Case{"is_rotary_wing", {0, 0}, "fixed_wing"},
-                          Case{"armed", {1, 1}, "unknown"}}) {
+  for (const Case& one :
+       {Case{"vehicle_type", {1, 1}, "multirotor"}, Case{"vehicle_type", {2, 2}, "fixed_wing"},
+        Case{"vehicle_type", {1, 2}, "unknown"}, Case{"is_rotary_wing", {1, 1}, "multirotor"},
+        Case{"is_rotary_wing", {0, 0}, "fixed_wing"}, Case{"armed", {1, 1}, "unknown"}}) {
     MadeULog log;
     log.flags(0);
     log.format("vehicle_attitude:uint64_t timestamp;float[4] q;");
@@ -56,11 +54,8 @@ TEST_F(LoggedVehicle, px4NamesItsKindOfVehicleInItsStatus) {
 }
 
 TEST_F(LoggedVehicle, arduPilotTellsItsKindOfVehicleByItsMessages) {
-  for (const auto& [name, kind] :
-       std::vector<std::pair<std::string, std::string>>{{"TECS", "fixed_wing"},
-                                                        {"AETR", "fixed_wing"},
-                                                        {"MOTB", "multirotor"},
-                                                        {"BARO", "unknown"}}) {
+  for (const auto& [name, kind] : std::vector<std::pair<std::string, std::string>>{
+           {"TECS", "fixed_wing"}, {"AETR", "fixed_wing"}, {"MOTB", "multirotor"}, {"BARO", "unknown"}}) {
     MadeDataflash log = madeArduPilotFlight(1.0, 0.2);
     log.format(11, name, "Qf", "TimeUS,A", 3 + 8 + 4);
     std::vector<std::uint8_t> row;

@@ -63,14 +63,14 @@ TEST(OldNames, RatesAreHundredthsOfDegrees) {
 
 // As ArduCopter 3.3 wrote: today's names, hundredths of degrees still.
 TEST(OldNames, RatesUnderNewNamesAreSetByTheGyro) {
-  const AutopilotSignals old = rates(
-      "Iff", "TimeMS,YDes,Y", [](double value, auto* row) { put(static_cast<float>(value), row); });
+  const AutopilotSignals old =
+      rates("Iff", "TimeMS,YDes,Y", [](double value, auto* row) { put(static_cast<float>(value), row); });
   expectRadians(old.signals);
   ASSERT_FALSE(old.remarks.empty());
   EXPECT_NE(old.remarks.back().find("hundredths of degrees"), std::string::npos);
-  expectRadians(rates("Iff", "TimeMS,YDes,Y",
-                      [](double value, auto* row) { put(static_cast<float>(0.01 * value), row); })
-                    .signals);
+  expectRadians(rates("Iff", "TimeMS,YDes,Y", [](double value, auto* row) {
+                  put(static_cast<float>(0.01 * value), row);
+                }).signals);
 }
 
 }  // namespace

@@ -103,7 +103,8 @@ std::string optionsBlock(const OptionsTarget& target, const std::vector<Calibrat
       putParameters(calibration, &options);
     }
     const std::vector<std::string> fields = options.takeFields();
-    if (fields.empty()) throw Error(file.source + ": kind " + calibration.kind() + ": has nothing for " + name);
+    if (fields.empty())
+      throw Error(file.source + ": kind " + calibration.kind() + ": has nothing for " + name);
     provenance += (provenance.empty() ? "" : "; ") + calibration.provenanceText(fields);
   }
   return options.text() + "provenance: " + yamlString(provenance) + "\n";

@@ -125,7 +125,8 @@ NumbersText numbersOf(const LoopFit& fit) {
   for (const FittedParameter& one : fit.parameters) {
     if (one.name == "offset") continue;
     const std::string unit = one.unit.empty() || one.unit == "1" ? "" : " " + one.unit;
-    text.values += (text.values.empty() ? "" : ", ") + wordFor(one.name) + " " + shortNumber(one.value) + unit;
+    text.values +=
+        (text.values.empty() ? "" : ", ") + wordFor(one.name) + " " + shortNumber(one.value) + unit;
     text.half_widths += (text.half_widths.empty() ? "" : ", ") +
                         (std::isfinite(one.half_width) ? shortNumber(one.half_width) + unit : "unknown");
   }
@@ -135,23 +136,6 @@ NumbersText numbersOf(const LoopFit& fit) {
 const char* validatedOn(const AxisValidationFit& validation) {
   if (validation.by_flights) return "on each flight by the others";
   return validation.by_halves ? "on the second half" : "on the other flight";
-}
-
-// The answer in one line, and how sure it is in another.
-void writeAnswer(const AxisModel& axis, std::ostream& out) {
-  const NumbersText numbers = numbersOf(axis.with_delay);
-  char text[120];
-  out << axis.axis << ": " << numbers.values;
-  if (axis.axis == "thrust") out << ", hover command " << shortNumber(hoverCommand(axis.with_delay));
-  std::snprintf(text, sizeof text, " (%.0f of %.0f s)", axis.usedTime(), axis.movingTime());
-  out << (axis.supported ? ", supported" : ", NOT SUPPORTED") << text << "\n";
-  std::snprintf(text, sizeof text, "; fit %.1f %%", axis.with_delay.fit_percent);
-  out << "  +- " << numbers.half_widths << text;
-  if (axis.validation) {
-    std::snprintf(text, sizeof text, ", %.1f %% ", axis.validation->validation_percent);
-    out << text << validatedOn(*axis.validation);
-  }
-  out << "\n";
 }
 
 void writeSecondOrder(const AxisModel& axis, std::ostream& out) {
@@ -164,6 +148,20 @@ void writeSecondOrder(const AxisModel& axis, std::ostream& out) {
 }
 
 }  // namespace
+
+std::string answerOf(const AxisModel& axis) {
+  const NumbersText numbers = numbersOf(axis.with_delay);
+  char text[120];
+  std::string answer = axis.axis + ": " + numbers.values;
+  if (axis.axis == "thrust") answer += ", hover command " + shortNumber(hoverCommand(axis.with_delay));
+  std::snprintf(text, sizeof text, " (%.0f of %.0f s)", axis.usedTime(), axis.movingTime());
+  answer += (axis.supported ? ", supported" : ", NOT SUPPORTED") + std::string(text);
+  std::snprintf(text, sizeof text, "; fit %.1f %%", axis.with_delay.fit_percent);
+  answer += "\n  +- " + numbers.half_widths + text;
+  if (!axis.validation) return answer;
+  std::snprintf(text, sizeof text, ", %.1f %% ", axis.validation->validation_percent);
+  return answer + text + validatedOn(*axis.validation);
+}
 
 std::vector<std::string> leftOutClauses(const AxisModel& axis) {
   std::vector<std::string> clauses = clausesOn(axis.choice.rejected);
@@ -193,7 +191,7 @@ std::string toText(const AttitudeCalibration& calibration) {
   std::ostringstream out;
   for (const std::string& sentence : calibration.remarks) out << "note: " << sentence << "\n";
   for (const AxisModel& axis : calibration.axes) {
-    writeAnswer(axis, out);
+    out << answerOf(axis) << "\n";
     writeSecondOrder(axis, out);
     for (const std::string& clause : leftOutClauses(axis)) out << "  left out: " << clause << "\n";
     for (const std::string& sentence : axis.warnings) out << "  warning: " << sentence << "\n";

@@ -123,9 +123,6 @@ void takeValidation(std::vector<AxisValidationFit> results, AxisModel* model) {
 
 // Every model of the axis on its segments.
 void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
-  FitOptions without = options;
-  without.with_delay = false;
-  model->without_delay = fitLoop(model->segments, without);
   model->with_delay = fitLoop(model->segments, options);
   std::vector<LoopFit> fits =
       fitModels(model->with_delay, model->segments, options, modelCount(model->axis, second_order));

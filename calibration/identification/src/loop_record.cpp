@@ -135,7 +135,10 @@ std::string whyUnusable(const TimeSeries& series) {
   const double period = typicalPeriod(cleaned(series));
   if (!(period <= kLongestPeriod)) {
     char text[120];
-    std::snprintf(text, sizeof text, "; its samples are %.6g s apart: are the times in seconds? --signal time=COLUMN:ms says so of a CSV", period);
+    std::snprintf(
+        text, sizeof text,
+        "; its samples are %.6g s apart: are the times in seconds? --signal time=COLUMN:ms says so of a CSV",
+        period);
     return text;
   }
   std::string why;

@@ -22,8 +22,7 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
         << "\n    deviation: " << yamlNumber(bound.deviation)
         << "\n    supported: " << (bound.supported ? "true" : "false")
         << "\n    confidence: " << yamlNumber(bound.confidence)
-        << "  # reached\n    independent_samples: " << yamlNumber(bound.independent_samples)
-        << "\n";
+        << "  # reached\n    independent_samples: " << yamlNumber(bound.independent_samples) << "\n";
     writeSentences("warnings", "    ", bound.warnings, out);
   }
 }

@@ -109,13 +109,10 @@ AxisModel meanOf(std::vector<AxisModel> flights, const FitOptions& bounds) {
   mean.axis = first.axis;
   mean.unit = first.unit;
   mean.command_unit = first.command_unit;
-  std::vector<LoopFit> without_delay;
   for (const AxisModel& flight : flights) {
     mean.source += (mean.source.empty() ? "" : ", ") + flight.source;
     mean.lead = std::max(mean.lead, flight.lead);
-    without_delay.push_back(flight.without_delay);
   }
-  mean.without_delay = meanFit(without_delay);
   for (std::size_t i = 0; i < first.controller_models.size(); ++i)
     mean.controller_models.push_back(meanModel(flights, i));
   mean.with_delay = mean.controller_models.front().fit;
@@ -161,8 +158,8 @@ AxisModel identifyFlights(const std::vector<AxisFlightRecords>& flights, const I
     }
   }
   if (identified.empty()) throw Error(left_out.front());
-  AxisModel model = identified.size() == 1 ? std::move(identified.front())
-                                           : meanOf(std::move(identified), options.fit);
+  AxisModel model =
+      identified.size() == 1 ? std::move(identified.front()) : meanOf(std::move(identified), options.fit);
   for (const std::string& sentence : left_out) model.warnings.push_back("Left out: " + sentence);
   return model;
 }

@@ -47,9 +47,8 @@ std::string otherUnit(const FlightSignals& signals, const std::string& name) {
 
 // Whether an angle lies beyond pi, as none in radians does in flight.
 bool isBeyond(const TimeSeries& series) {
-  const auto beyond = std::count_if(series.value.begin(), series.value.end(), [](double value) {
-    return std::abs(value) > kHalfTurn + kBeyondMargin;
-  });
+  const auto beyond = std::count_if(series.value.begin(), series.value.end(),
+                                    [](double value) { return std::abs(value) > kHalfTurn + kBeyondMargin; });
   return static_cast<double>(beyond) > kBeyondShare * static_cast<double>(series.value.size());
 }
 
@@ -92,7 +91,8 @@ Comparison changeAgainstRate(const TimeSeries& angle, const TimeSeries& rate) {
   return {std::sqrt(changes / turns), products / std::sqrt(changes * turns)};
 }
 
-void checkAngle(const FlightSignals& signals, const std::string& name, const std::vector<TimeWindow>& left_out) {
+void checkAngle(const FlightSignals& signals, const std::string& name,
+                const std::vector<TimeWindow>& left_out) {
   if (!isBeyond(without(cleanSignal(signals, name), left_out))) return;
   throw Error(signals.source + ": " + name + ": lies beyond pi in flight; " + otherUnit(signals, name));
 }
@@ -118,11 +118,12 @@ void checkForce(FlightSignals* signals, const std::vector<TimeWindow>& left_out,
   if (values.size() < kLeastCompared) return;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  if (*middle < kForceMargin * kGravityShown && *middle > kGravityShown / kForceMargin) return;
+  if (*middle<kForceMargin * kGravityShown&& * middle> kGravityShown / kForceMargin) return;
   char text[160];
-  std::snprintf(text, sizeof text, "specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ", *middle);
-  const std::string help = *middle < 0.0 ? "--signal specific_force_z=-" + placeOf(*signals, "specific_force_z") +
-                                               " turns its sign"
+  std::snprintf(text, sizeof text, "specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ",
+                *middle);
+  const std::string help = *middle < 0.0 ? "--signal specific_force_z=-" +
+                                               placeOf(*signals, "specific_force_z") + " turns its sign"
                                          : "give it in m/s^2, with gravity";
   remarks->push_back(text + help);
   for (const char* name : {"specific_force_x", "specific_force_y", "specific_force_z"})

@@ -82,7 +82,8 @@ TEST(OptionsBlock, HoverThrustIsThatOfAShare) {
 }
 
 TEST(OptionsBlock, AFixedWingTakesEq45AsItsGuidancePredicts) {
-  EXPECT_EQ(blockOf({"fixed_wing"}, {attitude("fixed_wing")}).find("model:\n  a0: 11\n  a1: 5\n  b0: 10\n"), 0u);
+  EXPECT_EQ(blockOf({"fixed_wing"}, {attitude("fixed_wing")}).find("model:\n  a0: 11\n  a1: 5\n  b0: 10\n"),
+            0u);
   const YAML::Node yaml = YAML::Load(blockOf({"fixed_wing", true}, {attitude("fixed_wing")}));
   EXPECT_EQ(yaml["model"]["a0"].as<double>(), 14.0);
   EXPECT_EQ(yaml["guidance"]["delay"].as<double>(), 0.05);

@@ -124,10 +124,8 @@ TEST_F(CsvFile, BindsTheColumnOfTimes) {
 }
 
 TEST_F(CsvFile, FindsTimesByNameAndUnit) {
-  for (const auto& [name, units] : std::vector<std::pair<std::string, double>>{{"t_ms", 1e3},
-                                                                               {"time_us", 1e6},
-                                                                               {"timestamp_ns", 1e9},
-                                                                               {"stamp", 1.0}}) {
+  for (const auto& [name, units] : std::vector<std::pair<std::string, double>>{
+           {"t_ms", 1e3}, {"time_us", 1e6}, {"timestamp_ns", 1e9}, {"stamp", 1.0}}) {
     std::string text = name + ",roll_rad\n";
     for (int i = 0; i < 5; ++i) text += std::to_string(std::llround(units * (1000.0 + i))) + ",1\n";
     const FlightSignals signals = signalsFromCsv(read(text), {});

@@ -17,8 +17,8 @@ TEST(MeanParameters, TakeTheWidestIntervalOrHalfTheSpread) {
     return std::vector<FittedParameter>{{"gain", "1", gain, 0.5 * half_gain, half_gain},
                                         {"tau", "s", tau, 0.5 * half_tau, half_tau}};
   };
-  const auto means =
-      meanParameters({flight(1.0, 0.02, 0.20, 0.03), flight(1.1, 0.01, 0.21, nothing), flight(1.2, 0.03, 0.22, 0.05)});
+  const auto means = meanParameters(
+      {flight(1.0, 0.02, 0.20, 0.03), flight(1.1, 0.01, 0.21, nothing), flight(1.2, 0.03, 0.22, 0.05)});
   EXPECT_NEAR(means[0].value, 1.1, 1e-12);
   EXPECT_NEAR(means[0].half_width, 0.1, 1e-12);
   EXPECT_NEAR(means[1].value, 0.21, 1e-12);

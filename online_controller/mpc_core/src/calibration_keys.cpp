@@ -51,10 +51,10 @@ void checkAxisFlight(const YamlField& flight) {
 }
 
 void checkAttitudeAxis(const YamlField& axis) {
-  axis.checkKeys(
-      {}, {"unit", "supported", "model", "model_without_delay", "model_second_order",
-           "model_second_order_without_delay", "greatest_rate", "hover_command", "interval_holds_for", "flights", "windows",
-           "left_out", "samples", "validation", "with_delay", "without_delay", "second_order", "warnings"});
+  axis.checkKeys({}, {"unit", "supported", "model", "model_without_delay", "model_second_order",
+                      "model_second_order_without_delay", "greatest_rate", "hover_command",
+                      "interval_holds_for", "flights", "windows", "left_out", "samples", "validation",
+                      "with_delay", "without_delay", "second_order", "warnings"});
   for (const char* model :
        {"model", "model_without_delay", "model_second_order", "model_second_order_without_delay"}) {
     if (!axis.has(model)) continue;
@@ -100,7 +100,7 @@ void checkDisturbance(const YamlField& root) {
 }
 
 constexpr std::initializer_list<const char*> kMotionParameters = {
-    "drag_x",   "drag_y",   "drag_z", "drag_forward", "drag_left", "offset_x",
+    "drag_x",   "drag_y",   "drag_z", "drag_forward", "drag_left",    "offset_x",
     "offset_y", "offset_z", "mass",   "hover_thrust", "hover_command"};
 
 void checkParameters(const YamlField& root) {

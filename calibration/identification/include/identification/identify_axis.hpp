@@ -54,8 +54,6 @@ struct AxisModel {
   std::vector<AxisModel> flights;
   /// First-order model of Eq. 37 with a delay.
   LoopFit with_delay;
-  /// First-order model of Eq. 37 without a delay.
-  LoopFit without_delay;
   /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
   /// What controllers can be given, each with its own evaluation: of thrust only `model`.
