@@ -172,5 +172,57 @@ TEST(Motion, ABoundBeyondGravityIsNotSupported) {
   }));
 }
 
+// Three flights of one vehicle whose drag along x is not the same, each with a clock of its own.
+std::vector<Motion> threeFlights(const MotionOptions& options) {
+  std::vector<Motion> flights;
+  for (const std::uint32_t flight : {1u, 2u, 3u}) {
+    MadeMotion made;
+    made.duration = 60.0;
+    made.gust = 0.03;
+    made.drag.x() *= 0.7 + 0.15 * flight;
+    FlightSignals signals = makeMotion(made, flight);
+    signals.source = "flight" + std::to_string(flight) + ".csv";
+    for (auto& [name, series] : signals.series) {
+      for (double& time : series.time) time += 1e5 * flight;
+    }
+    flights.push_back(motionOf(signals, options));
+  }
+  return flights;
+}
+
+TEST(SeveralMotions, GiveTheMeanOfTheirNumbers) {
+  MotionOptions options;
+  options.mass = kMass;
+  const std::vector<Motion> flights = threeFlights(options);
+  const MotionFit drag = fitDrag(flights);
+  ASSERT_EQ(drag.flights.size(), 3u);
+  const double truth = MadeMotion().drag.x();
+  ASSERT_EQ(drag.parameters[0].name, "drag_x");
+  EXPECT_NEAR(drag.parameters[0].value, truth, 0.02);
+  EXPECT_GE(drag.parameters[0].half_width, 0.5 * (drag.flights[2][0].value - drag.flights[0][0].value));
+  EXPECT_EQ(drag.traces.size(), 9u);
+  EXPECT_EQ(drag.traces.front().name.find("flight1.csv: "), 0u);
+  const MotionFit mass = fitMass(threeFlights({}), {});
+  EXPECT_NEAR(mass.parameters[0].value, kMass, 0.01);
+  EXPECT_NEAR(mass.parameters[1].value, kMass * kGravity, 0.1);
+}
+
+TEST(SeveralMotions, AreBoundedTogether) {
+  const std::vector<Motion> flights = threeFlights({});
+  const Motion together = joined(flights);
+  EXPECT_EQ(together.starts.size(), 4u);
+  EXPECT_EQ(static_cast<std::size_t>(together.velocity.rows()), together.time.size());
+  EXPECT_TRUE(std::is_sorted(together.time.begin(), together.time.end()));
+  EXPECT_GT(boundDisturbance(together, {}, {})[0].independent_samples,
+            1.5 * boundDisturbance(flights[0], {}, {})[0].independent_samples);
+}
+
+TEST(SeveralMotions, MustBeAlikeInTheirThrust) {
+  std::vector<Motion> flights = threeFlights({});
+  flights[1].lift_is_share = true;
+  EXPECT_THROW(joined(flights), Error);
+  EXPECT_THROW(fitMass(flights, {}), Error);
+}
+
 }  // namespace
 }  // namespace polyfly
