@@ -47,7 +47,7 @@ std::string sentence(const char* format, Values... values) {
 
 MotionTrace traceOf(const Motion& motion, const std::string& name, const std::string& unit,
                     const Eigen::VectorXd& measured, const Eigen::VectorXd& modelled) {
-  return {name, unit, "", motion.time, motion.starts, list(measured), list(modelled), {}};
+  return {name, unit, motion.time, motion.starts, list(measured), list(modelled)};
 }
 
 FittedParameter parameterOf(const std::string& name, const std::string& unit, const Regression& found,
@@ -191,11 +191,8 @@ MotionFit dragOf(const Motion& motion) {
     const std::string name = kMotionAxes[axis];
     result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
     result.parameters.push_back(parameterOf("offset_" + name, "m/s^2", found, 1));
-    MotionTrace trace = traceOf(motion, "unexplained acceleration along " + name, "m/s^2", left,
-                                columns * found.coefficients);
-    trace.against = "velocity along " + name + " [m/s]";
-    trace.depends = list(motion.velocity.col(axis));
-    result.traces.push_back(std::move(trace));
+    result.traces.push_back(traceOf(motion, "unexplained acceleration along " + name, "m/s^2", left,
+                                    columns * found.coefficients));
   }
   fitRotorDrag(motion, &result);
   return result;
@@ -215,11 +212,8 @@ MotionFit massOf(const Motion& motion, const MotionOptions& options) {
     result.parameters = {parameterOf("mass", "kg", found, 0),
                          parameterOf("hover_thrust", unit, found, 0, options.gravity)};
   }
-  MotionTrace trace =
-      traceOf(motion, "vertical part of the thrust command", unit, motion.lift, load * found.coefficients[0]);
-  trace.against = "vertical acceleration with gravity and drag [m/s^2]";
-  trace.depends = list(load);
-  result.traces = {std::move(trace)};
+  result.traces = {traceOf(motion, "vertical part of the thrust command", unit, motion.lift,
+                           load * found.coefficients[0])};
   return result;
 }
 

@@ -1,19 +1,11 @@
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <functional>
 
 #include "report_parts.hpp"
 #include "validation/motion_report.hpp"
 
 namespace polyfly {
 namespace {
-
-using Style = Series::Style;
-
-// Greatest number of dots of a scatter plot.
-constexpr std::size_t kScatterDots = 3000;
-constexpr std::size_t kModelPoints = 80;
-constexpr std::size_t kQuantilePoints = 400;
 
 std::vector<double> residualOf(const MotionTrace& trace) {
   std::vector<double> residual(trace.measured.size());
@@ -86,75 +78,6 @@ ReportFigure timeFigure(const MotionTrace& trace, const DisturbanceBound* bound)
   return result;
 }
 
-// Quantiles of the residual.
-Panel quantilePanel(const MotionTrace& trace, const DisturbanceBound* bound) {
-  std::vector<double> sorted = residualOf(trace);
-  std::sort(sorted.begin(), sorted.end());
-  Panel panel;
-  panel.x_label = "share of the time below [%]";
-  panel.y_label = withUnit("measured − modelled", trace.unit);
-  Series series;
-  series.style = Style::kLine;
-  series.color = palette::kBlue;
-  const std::size_t points = std::min(kQuantilePoints, sorted.size());
-  for (std::size_t i = 0; i < points; ++i) {
-    const double share = points > 1 ? static_cast<double>(i) / static_cast<double>(points - 1) : 0.5;
-    series.x.push_back(100.0 * share);
-    series.y.push_back(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
-  }
-  panel.series = {series};
-  if (bound != nullptr) panel.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
-  return panel;
-}
-
-Panel scatterPanel(const MotionTrace& trace) {
-  Panel panel;
-  panel.legend_below = true;
-  panel.x_label = trace.against;
-  panel.y_label = withUnit("measured, modelled", trace.unit);
-  Series dots;
-  dots.style = Style::kPoints;
-  dots.label = "measured";
-  dots.color = kMeasuredColor;
-  dots.width = 3.0;
-  Series line;
-  line.label = "model";
-  line.color = palette::kVermilion;
-  const std::size_t stride = trace.depends.size() / kScatterDots + 1;
-  for (std::size_t i = 0; i < trace.depends.size(); i += stride) {
-    dots.x.push_back(trace.depends[i]);
-    dots.y.push_back(trace.measured[i]);
-  }
-  // Every model here is a function of what it depends on.
-  std::vector<std::size_t> order(trace.depends.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&trace](std::size_t one, std::size_t other) {
-    return trace.depends[one] < trace.depends[other];
-  });
-  for (std::size_t i = 0; i < kModelPoints && !order.empty(); ++i) {
-    const std::size_t place = order[i * (order.size() - 1) / (kModelPoints - 1)];
-    line.x.push_back(trace.depends[place]);
-    line.y.push_back(trace.modelled[place]);
-  }
-  panel.series = {dots, line};
-  return panel;
-}
-
-ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
-  ReportFigure result;
-  result.heading = trace.name + ": distribution";
-  result.caption =
-      trace.against.empty()
-          ? "Quantiles: how much of the time the disturbance lies below a value."
-          : "Left, quantiles: how much of the time the residual lies below a value; right, each sample and "
-            "the model against what it depends on.";
-  std::vector<Panel> panels = {quantilePanel(trace, bound)};
-  if (!trace.against.empty()) panels.push_back(scatterPanel(trace));
-  const auto columns = static_cast<int>(panels.size());
-  result.figure = pageFigure(std::move(panels), row_height::kView, columns);
-  return result;
-}
-
 }  // namespace
 
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration) {
@@ -164,7 +87,6 @@ std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration) {
   for (std::size_t i = 0; i < calibration.fit.traces.size(); ++i) {
     const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
     figures.push_back(timeFigure(calibration.fit.traces[i], bound));
-    figures.push_back(distributionFigure(calibration.fit.traces[i], bound));
   }
   return figures;
 }

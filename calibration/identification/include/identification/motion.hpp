@@ -63,15 +63,11 @@ struct MotionTrace {
   /// Name of the quantity that is compared.
   std::string name;
   std::string unit;
-  /// Quantity that the model depends on, with its unit. Empty: nothing is drawn.
-  std::string against;
   std::vector<double> time;  ///< [s]
   /// First sample of each stretch, and the number of samples, as in Motion.
   std::vector<std::size_t> starts;
   std::vector<double> measured;
   std::vector<double> modelled;
-  /// Values of `against`, one for each time. Empty if `against` is empty.
-  std::vector<double> depends;
 };
 
 /// What acts along one axis and the model does not explain.

@@ -9,7 +9,7 @@
 namespace polyfly {
 
 /// The pictures of a disturbance, drag or mass. One shows what was used of the flight. Each trace has measured
-/// against model over time with residuals, their quantiles, and the model against what it depends on.
+/// against model over time, with residuals.
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration);
 
 /// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.
