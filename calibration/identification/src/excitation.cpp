@@ -1,5 +1,6 @@
 #include "identification/excitation.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,8 +10,15 @@ namespace {
 
 // Time step of activity and correlation [s].
 constexpr double kGrid = 0.05;
-// Quantile of the activity that sets the threshold.
+// Half width of the stretch over which the deviation of the command counts as activity [s].
+constexpr double kHalfWidth = 1.0;
+// Threshold as a share of the activity that is exceeded 10 % of the time.
+constexpr double kThresholdShare = 0.25;
 constexpr double kBusyShare = 0.9;
+// Threshold as a share of the activity above which lies half of its energy. The greater threshold counts.
+constexpr double kEnergyShare = 0.06;
+// Margin before and after a window, so that the response is included [s].
+constexpr double kMargin = 0.5;
 // Gap below which two windows are joined [s].
 constexpr double kJoin = 1.0;
 // Activity below which the command counts as constant.
@@ -101,27 +109,13 @@ std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double thresho
 }
 
 double correlation(const std::vector<double>& command, const std::vector<double>& response, std::size_t lag) {
-  const std::size_t count = response.size() - lag;
-  double mean_command = 0.0;
-  double mean_response = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    mean_command += command[i];
-    mean_response += response[i + lag];
-  }
-  mean_command /= static_cast<double>(count);
-  mean_response /= static_cast<double>(count);
-  double product = 0.0;
-  double command_square = 0.0;
-  double response_square = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double a = command[i] - mean_command;
-    const double b = response[i + lag] - mean_response;
-    product += a * b;
-    command_square += a * a;
-    response_square += b * b;
-  }
-  const double scale = std::sqrt(command_square * response_square);
-  return scale > 0.0 ? product / scale : 0.0;
+  const auto count = static_cast<Eigen::Index>(response.size() - lag);
+  Eigen::VectorXd one = Eigen::Map<const Eigen::VectorXd>(command.data(), count);
+  Eigen::VectorXd other = Eigen::Map<const Eigen::VectorXd>(response.data() + lag, count);
+  one.array() -= one.mean();
+  other.array() -= other.mean();
+  const double scale = one.norm() * other.norm();
+  return scale > 0.0 ? one.dot(other) / scale : 0.0;
 }
 
 }  // namespace
@@ -156,7 +150,7 @@ TimeSeries within(const TimeSeries& series, const TimeWindow& window) {
 
 }  // namespace
 
-ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options) {
+ExcitationChoice chooseExcitation(const LoopRecord& record) {
   ExcitationChoice choice;
   if (record.command.time.empty() || record.response.time.empty()) return choice;
   const TimeWindow all = {std::max(record.command.time.front(), record.response.time.front()),
@@ -171,16 +165,16 @@ ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSear
       continue;
     }
     const std::size_t first = choice.activity.time.size();
-    addActivity(record.command, window, options.half_width, &choice.activity);
+    addActivity(record.command, window, kHalfWidth, &choice.activity);
     active.push_back({window, first, choice.activity.time.size()});
   }
   if (active.empty()) return choice;
-  choice.threshold = std::max(options.threshold_share * quantile(choice.activity.value, kBusyShare),
-                              options.energy_share * energyLevel(choice.activity.value));
+  choice.threshold = std::max(kThresholdShare * quantile(choice.activity.value, kBusyShare),
+                              kEnergyShare * energyLevel(choice.activity.value));
   if (choice.threshold < kLeastActivity) return choice;
   for (const ActivePiece& piece : active) {
-    for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, options.margin, piece)) {
-      if (window.to - window.from < options.least_window) {
+    for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, kMargin, piece)) {
+      if (window.to - window.from < kLeastWindow) {
         choice.rejected.push_back({window, "too short"});
       } else {
         choice.windows.push_back(window);

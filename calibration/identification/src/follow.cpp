@@ -207,11 +207,11 @@ std::vector<RejectedWindow> strays(const Cells& cells, double usual) {
 }
 
 // What is left of a window must be long enough to be used.
-std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, double least_window,
+std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows,
                                std::vector<RejectedWindow>* rejected) {
   std::vector<TimeWindow> kept;
   for (const TimeWindow& window : windowsWithout(windows, *rejected)) {
-    if (window.to - window.from >= least_window) kept.push_back(window);
+    if (window.to - window.from >= kLeastWindow) kept.push_back(window);
   }
   std::vector<RejectedWindow> others;
   for (const TimeWindow& window : kept) others.push_back({window, ""});
@@ -224,8 +224,7 @@ std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, double le
 
 }  // namespace
 
-void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, double least_window,
-                     ExcitationChoice* choice) {
+void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, ExcitationChoice* choice) {
   FitOptions options = fit;
   options.global_evaluations = kRoughSearch;
   options.local_evaluations = kRoughSearch;
@@ -242,7 +241,7 @@ void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, double lea
     const std::optional<double> usual = usualResidual(cells);
     if (!usual) return;
     std::vector<RejectedWindow> found = strays(cells, *usual);
-    std::vector<TimeWindow> left = keptOf(choice->windows, least_window, &found);
+    std::vector<TimeWindow> left = keptOf(choice->windows, &found);
     if (left.empty()) return;
     const bool same =
         found.size() == rejected.size() &&

@@ -132,9 +132,9 @@ void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
 
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
                               const IdentifyOptions& options, ExcitationChoice* choice) {
-  *choice = chooseExcitation(record, options.excitation);
+  *choice = chooseExcitation(record);
   if (windows.empty()) {
-    keepWhatFollows(record, options.fit, options.excitation.least_window, choice);
+    keepWhatFollows(record, options.fit, choice);
     return choice->windows;
   }
   choice->windows = windows;

@@ -23,7 +23,7 @@ constexpr double kManoeuvre = 4.0 + kPauses;
 // 2-1-1: a pulse of double length, its opposite, and the first again.
 using Amplitudes = std::array<double, 4>;
 
-double commandAt(const MadeLoop& loop, const Amplitudes& amplitudes, double time) {
+double commandAt(const Amplitudes& amplitudes, double time) {
   const double pulses = time / kPulse;
   const auto manoeuvre = static_cast<std::size_t>(pulses / kManoeuvre);
   const double at = pulses - static_cast<double>(manoeuvre) * kManoeuvre;
@@ -37,7 +37,7 @@ double commandAt(const MadeLoop& loop, const Amplitudes& amplitudes, double time
 double heldCommand(const MadeLoop& loop, const Amplitudes& amplitudes, double time) {
   const double seen = time - loop.delay;
   if (seen < 0.0) return 0.0;
-  return commandAt(loop, amplitudes,
+  return commandAt(amplitudes,
                    std::floor(seen * loop.command_rate + kRounding) / loop.command_rate + kRounding);
 }
 
@@ -80,7 +80,7 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
   record.source = "made flight";
   for (int i = 0; i < static_cast<int>(loop.duration * loop.command_rate); ++i) {
     const double time = i / loop.command_rate;
-    const double command = commandAt(loop, amplitudes, time + kRounding);
+    const double command = commandAt(amplitudes, time + kRounding);
     record.command.time.push_back(time);
     record.command.value.push_back(loop.quantum > 0.0 ? loop.quantum * std::round(command / loop.quantum)
                                                       : command);
