@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "identification/excitation.hpp"
+#include "identification/identify_axis.hpp"
 #include "made_flight.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -183,7 +183,10 @@ TEST(ChooseExcitation, TakesWhatMovesAndAnswers) {
   for (std::size_t i = 0; i < record.response.time.size(); ++i) {
     if (record.response.time[i] > 21.0) record.response.value[i] = noise(random);
   }
-  const ExcitationChoice choice = chooseExcitation(record);
+  AxisRecords records;
+  records.axis = "roll";
+  records.training = record;
+  const ExcitationChoice choice = identifyAxis(records, {}).choice;
   ASSERT_EQ(choice.windows.size(), 1u);
   EXPECT_LT(choice.windows[0].from, 1.0);
   EXPECT_NEAR(choice.windows[0].to, 21.0, 1.5);
