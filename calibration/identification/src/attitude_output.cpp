@@ -1,12 +1,12 @@
 #include "identification/attitude_output.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 
 #include "identification/flight_phases.hpp"
 #include "identification/yaml_text.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -103,9 +103,7 @@ void writeAxis(const AxisModel& axis, std::ostream& out) {
 
 // Without a zero before the point.
 std::string shortNumber(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, std::abs(value) < 1.0 ? "%.3f" : "%.4g", value);
-  std::string number = text;
+  std::string number = sentence(std::abs(value) < 1.0 ? "%.3f" : "%.4g", value);
   const std::size_t zero = number.find("0.");
   if (zero == 0 || (zero == 1 && number[0] == '-')) number.erase(zero, 1);
   return number;
@@ -151,16 +149,13 @@ void writeSecondOrder(const AxisModel& axis, std::ostream& out) {
 
 std::string answerOf(const AxisModel& axis) {
   const NumbersText numbers = numbersOf(axis.with_delay);
-  char text[120];
   std::string answer = axis.axis + ": " + numbers.values;
   if (axis.axis == "thrust") answer += ", hover command " + shortNumber(hoverCommand(axis.with_delay));
-  std::snprintf(text, sizeof text, " (%.0f of %.0f s)", axis.usedTime(), axis.movingTime());
-  answer += (axis.supported ? ", supported" : ", NOT SUPPORTED") + std::string(text);
-  std::snprintf(text, sizeof text, "; fit %.1f %%", axis.with_delay.fit_percent);
-  answer += "\n  +- " + numbers.half_widths + text;
+  answer += axis.supported ? ", supported" : ", NOT SUPPORTED";
+  answer += sentence(" (%.0f of %.0f s)\n  +- ", axis.usedTime(), axis.movingTime()) + numbers.half_widths +
+            sentence("; fit %.1f %%", axis.with_delay.fit_percent);
   if (!axis.validation) return answer;
-  std::snprintf(text, sizeof text, ", %.1f %% ", axis.validation->validation_percent);
-  return answer + text + validatedOn(*axis.validation);
+  return answer + sentence(", %.1f %% ", axis.validation->validation_percent) + validatedOn(*axis.validation);
 }
 
 std::vector<std::string> leftOutClauses(const AxisModel& axis) {

@@ -1,9 +1,9 @@
 #include "diagnose.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include "polyfly_base/error.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -33,12 +33,6 @@ constexpr double kFollowedShare = 0.85;
 constexpr double kFollows = 0.7;
 // Factor by which the correlation of another axis must exceed the own correlation.
 constexpr double kFrameFactor = 1.3;
-
-std::string text(const char* format, double one, double other = 0.0, double third = 0.0) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, format, one, other, third);
-  return buffer;
-}
 
 class Diagnosis {
  public:
@@ -75,9 +69,9 @@ class Diagnosis {
       return size > value / kDegreeMargin && size < value * kDegreeMargin;
     };
     if (near(kDegree) || near(1.0 / kDegree)) {
-      say(text("The gain is %.4g: one of command and response is in degrees.", size));
+      say(sentence("The gain is %.4g: one of command and response is in degrees.", size));
     } else {
-      say(text(
+      say(sentence(
           "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
           "different scales, or the command is not that of this loop.",
           size));
@@ -102,21 +96,21 @@ class Diagnosis {
     if (records_.other_command && !records_.other_command->time.empty()) {
       const double other = correlationOf(*records_.other_command, nullptr);
       if (other > kFrameFactor * own) {
-        say(
-            text("The response follows the command of the other axis (correlation %.2f) more than its own "
-                 "(%.2f): the "
-                 "axes are swapped, or the frame is turned by the yaw angle.",
-                 other, own));
+        say(sentence(
+            "The response follows the command of the other axis (correlation %.2f) more than its own "
+            "(%.2f): the "
+            "axes are swapped, or the frame is turned by the yaw angle.",
+            other, own));
       }
     }
     if (records_.vertical_velocity && !records_.vertical_velocity->time.empty()) {
       const double rate = correlationOf(model_.record.command, &*records_.vertical_velocity);
       if (rate > kFrameFactor * own && rate > kFollows) {
-        say(
-            text("The vertical velocity follows the command (correlation %.2f) more than the acceleration "
-                 "(%.2f): it is a "
-                 "command of climb rate, not of thrust.",
-                 rate, own));
+        say(sentence(
+            "The vertical velocity follows the command (correlation %.2f) more than the acceleration "
+            "(%.2f): it is a "
+            "command of climb rate, not of thrust.",
+            rate, own));
       }
     }
   }
@@ -124,7 +118,7 @@ class Diagnosis {
   void clock() {
     const double delay = model_.with_delay.shape.delay;
     if (delay > kLongDelay || delay > 0.98 * bounds_.delay_greatest) {
-      say(text(
+      say(sentence(
           "The delay of %.2f s is longer than a loop's own: the clocks of command and response may disagree.",
           delay));
     }
@@ -134,18 +128,18 @@ class Diagnosis {
   void quality() {
     if (model_.validation &&
         model_.validation->validation_percent < model_.validation->training_percent - kDropFit) {
-      say(text("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
-               model_.validation->training_percent, model_.validation->validation_percent));
+      say(sentence("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
+                   model_.validation->training_percent, model_.validation->validation_percent));
     }
     const auto total =
         static_cast<double>(model_.record.response.time.size() + model_.record.command.time.size());
     const auto left_out = static_cast<double>(model_.cleaning.not_finite + model_.cleaning.out_of_order);
     if (left_out > kManyLeftOut * total) {
-      say(
-          text("%.0f samples were left out because they are not finite, and %.0f because their time does not "
-               "increase.",
-               static_cast<double>(model_.cleaning.not_finite),
-               static_cast<double>(model_.cleaning.out_of_order)));
+      say(sentence(
+          "%.0f samples were left out because they are not finite, and %.0f because their time does not "
+          "increase.",
+          static_cast<double>(model_.cleaning.not_finite),
+          static_cast<double>(model_.cleaning.out_of_order)));
     }
   }
 
@@ -154,11 +148,11 @@ class Diagnosis {
     const double used = model_.usedTime();
     const double moving = model_.movingTime();
     if (used < kFollowedShare * moving) {
-      say(
-          text("The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
-               "is not "
-               "that of this loop.",
-               used, moving));
+      say(sentence(
+          "The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
+          "is not "
+          "that of this loop.",
+          used, moving));
     }
   }
 
@@ -180,7 +174,7 @@ double leadOf(const LoopFit& with_delay, const std::vector<LoopSegment>& segment
 }
 
 std::string leadSentence(double lead) {
-  return text(
+  return sentence(
       "The response comes %.3f s before its command: the clocks of the two disagree, or the command was "
       "logged late.",
       lead);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "flight_signs.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -130,10 +130,7 @@ std::vector<std::string> clausesOn(const std::vector<RejectedWindow>& left_out) 
     std::size_t count = 0;
     for (const RejectedWindow& one : left_out) {
       if (one.reason != reason || ++count > kMostTimes) continue;
-      char text[80];
-      std::snprintf(text, sizeof text, "%s%.1f .. %.1f", count > 1 ? ", " : "", one.window.from,
-                    one.window.to);
-      times += text;
+      times += sentence("%s%.1f .. %.1f", count > 1 ? ", " : "", one.window.from, one.window.to);
     }
     if (count > kMostTimes) times += " and " + std::to_string(count - kMostTimes) + " more";
     clauses.push_back(times + (count > kMostTimes ? ": " : " s: ") + reason);

@@ -1,9 +1,9 @@
 #include "identification/header_clock.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -94,12 +94,10 @@ void findSteps(const Stamped& messages, HeaderClock* clock) {
 }
 
 std::string clauseOn(const ClockStep& step, double start) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "%s jumps by %.4g s against %s, %.4g s after the first message",
-                step.of_headers ? "the clock of the headers" : "the recorder's clock",
-                step.of_headers ? step.by : -step.by,
-                step.of_headers ? "the recorder's" : "that of the headers", step.at - start);
-  return text.data();
+  return sentence("%s jumps by %.4g s against %s, %.4g s after the first message",
+                  step.of_headers ? "the clock of the headers" : "the recorder's clock",
+                  step.of_headers ? step.by : -step.by,
+                  step.of_headers ? "the recorder's" : "that of the headers", step.at - start);
 }
 
 }  // namespace

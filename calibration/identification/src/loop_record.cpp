@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "polyfly_base/error.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -120,10 +120,8 @@ double durationOf(const std::vector<double>& time) {
 std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps) {
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < std::min(steps.size(), kMostTold); ++i) {
-    char text[120];
-    std::snprintf(text, sizeof text, "after %.12g s the times jump by %.6g s", steps[i].from,
-                  steps[i].to - steps[i].from);
-    sentences.emplace_back(text);
+    sentences.push_back(
+        sentence("after %.12g s the times jump by %.6g s", steps[i].from, steps[i].to - steps[i].from));
   }
   if (steps.size() > kMostTold) {
     sentences.push_back("the times jump " + std::to_string(steps.size() - kMostTold) + " times more");
@@ -134,12 +132,9 @@ std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps) {
 std::string whyUnusable(const TimeSeries& series) {
   const double period = typicalPeriod(cleaned(series));
   if (!(period <= kLongestPeriod)) {
-    char text[120];
-    std::snprintf(
-        text, sizeof text,
+    return sentence(
         "; its samples are %.6g s apart: are the times in seconds? --signal time=COLUMN:ms says so of a CSV",
         period);
-    return text;
   }
   std::string why;
   for (const std::string& sentence : sentencesOn(farSteps(series.time))) why += "; " + sentence;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -19,13 +20,6 @@ constexpr double kUpperEnd = 0.95;
 // Factor of the least value up to which a number lies at the lower end of the search range.
 constexpr double kLowerEnd = 1.05;
 
-template <class... Values>
-std::string reason(const char* format, Values... values) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 Eigen::Index placeOf(const LoopFit& fit, const std::string& name) {
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     if (fit.parameters[i].name == name) return static_cast<Eigen::Index>(i);
@@ -40,17 +34,17 @@ double errorOf(const FittedParameter& parameter) {
 
 void addFitReasons(const ControllerModel& model, std::vector<std::string>* reasons) {
   if (!(model.fit.fit_percent >= kLeastFit)) {
-    reasons->push_back(
-        reason("The fit is %.1f %%; a controller needs at least %.0f %%.", model.fit.fit_percent, kLeastFit));
+    reasons->push_back(sentence("The fit is %.1f %%; a controller needs at least %.0f %%.",
+                                model.fit.fit_percent, kLeastFit));
   }
   if (!model.validation) {
     reasons->emplace_back(
         "The data do not suffice for a validation: both halves must excite the loop for 2 s.");
   } else if (!(model.validation->validation_percent >= kLeastValidation)) {
     reasons->push_back(
-        reason("The fit on data that it was not fitted to is %.1f %%; a controller needs at "
-               "least %.0f %%.",
-               model.validation->validation_percent, kLeastValidation));
+        sentence("The fit on data that it was not fitted to is %.1f %%; a controller needs at "
+                 "least %.0f %%.",
+                 model.validation->validation_percent, kLeastValidation));
   }
 }
 
@@ -58,16 +52,16 @@ void addIntervalReasons(const ControllerModel& model, std::vector<std::string>* 
   for (const FittedParameter& one : model.fit.parameters) {
     if (one.name == "delay" || one.name == "offset") continue;
     if (!(one.least() > 0.0)) {
-      reasons->push_back(reason("The 95 %% interval of %s, %.3g .. %.3g, is not above zero.",
-                                one.name.c_str(), one.least(), one.greatest()));
+      reasons->push_back(sentence("The 95 %% interval of %s, %.3g .. %.3g, is not above zero.",
+                                  one.name.c_str(), one.least(), one.greatest()));
       continue;
     }
     const double allowed = one.name == "gain" ? kWidestGain : kWidestNumber;
     if (one.half_width <= allowed * one.value) continue;
     reasons->push_back(
-        reason("Too little excitation for %s, or flights that differ: its 95 %% interval, %.3g .. %.3g, "
-               "reaches further than %.0f %% of %.3g.",
-               one.name.c_str(), one.least(), one.greatest(), 100.0 * allowed, one.value));
+        sentence("Too little excitation for %s, or flights that differ: its 95 %% interval, %.3g .. %.3g, "
+                 "reaches further than %.0f %% of %.3g.",
+                 one.name.c_str(), one.least(), one.greatest(), 100.0 * allowed, one.value));
   }
 }
 
@@ -75,12 +69,13 @@ void addSearchReasons(const ControllerModel& model, const FitOptions& bounds,
                       std::vector<std::string>* reasons) {
   const LoopShape& shape = model.fit.shape;
   if (shape.delay > kUpperEnd * bounds.delay_greatest) {
-    reasons->push_back(reason("The delay of %.2f s lies at the end of its search range.", shape.delay));
+    reasons->push_back(sentence("The delay of %.2f s lies at the end of its search range.", shape.delay));
   }
   if (shape.order != LoopOrder::kFirst) return;
   const bool low = shape.tau < kLowerEnd * bounds.tau_least;
   if (low || shape.tau > kUpperEnd * bounds.tau_greatest) {
-    reasons->push_back(reason("The time constant of %.3f s lies at the end of its search range.", shape.tau));
+    reasons->push_back(
+        sentence("The time constant of %.3f s lies at the end of its search range.", shape.tau));
   }
 }
 
@@ -130,9 +125,9 @@ std::vector<std::string> reasonsAgainst(const ControllerModel& model, const std:
   const bool other_unit = gain > 0.0 && (gain < kGainOfOtherUnit || gain > 1.0 / kGainOfOtherUnit);
   if (axis != "thrust" && other_unit) {
     reasons.push_back(
-        reason("The gain of %.3g is that of other units: a loop that reaches its command has about "
-               "1.",
-               gain));
+        sentence("The gain of %.3g is that of other units: a loop that reaches its command has about "
+                 "1.",
+                 gain));
   }
   return reasons;
 }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -8,6 +7,7 @@
 #include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
 #include "regression.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -36,13 +36,6 @@ std::vector<double> list(const Eigen::VectorXd& values) {
 
 double rms(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size())));
-}
-
-template <class... Values>
-std::string sentence(const char* format, Values... values) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
 }
 
 MotionTrace traceOf(const Motion& motion, const std::string& name, const std::string& unit,
@@ -227,7 +220,7 @@ void checkAlike(const std::vector<Motion>& flights) {
   }
 }
 
-// Below `other`, or `other` where there is nothing yet.
+// Puts the rows of `other` below those of `all`.
 template <class Matrix>
 void append(const Matrix& other, Matrix* all) {
   Matrix both(all->rows() + other.rows(), other.cols());

@@ -1,9 +1,9 @@
 #include "identification/motion_output.hpp"
 
-#include <cstdio>
 #include <sstream>
 
 #include "identification/yaml_text.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -66,22 +66,18 @@ std::string toYaml(const MotionCalibration& calibration) {
 
 std::string toText(const MotionCalibration& calibration) {
   std::ostringstream out;
-  char text[200];
   for (const std::string& sentence : calibration.remarks) out << "note: " << sentence << "\n";
   for (const DisturbanceBound& bound : calibration.bounds) {
-    std::snprintf(
-        text, sizeof text,
+    out << sentence(
         "d_%s  %.3f .. %.3f m/s^2 for %.4g %% of the time (confidence %.2f)   mean %.3f, deviation %.3f\n",
         bound.axis.c_str(), bound.least, bound.greatest, 100.0 * calibration.limits.share, bound.confidence,
         bound.mean, bound.deviation);
-    out << text;
     for (const std::string& sentence : bound.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const FittedParameter& parameter : calibration.fit.parameters) {
-    std::snprintf(text, sizeof text, "%-16s %s %s\n", parameter.name.c_str(),
-                  valueText(parameter.value, parameter.half_width).c_str(),
-                  parameter.unit == "1" ? "" : parameter.unit.c_str());
-    out << text;
+    out << sentence("%-16s %s %s\n", parameter.name.c_str(),
+                    valueText(parameter.value, parameter.half_width).c_str(),
+                    parameter.unit == "1" ? "" : parameter.unit.c_str());
   }
   for (const std::string& sentence : calibration.fit.warnings) out << "warning: " << sentence << "\n";
   return out.str();

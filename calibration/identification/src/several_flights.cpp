@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
 #include "diagnose.hpp"
 #include "polyfly_base/error.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -74,9 +74,7 @@ ControllerModel meanModel(const std::vector<AxisModel>& flights, std::size_t pla
 std::string valuesOf(const std::vector<AxisModel>& flights, const std::string& parameter) {
   std::string text;
   for (const AxisModel& flight : flights) {
-    char value[32];
-    std::snprintf(value, sizeof value, "%.3g", flight.with_delay.find(parameter)->value);
-    text += (text.empty() ? "" : ", ") + std::string(value);
+    text += (text.empty() ? "" : ", ") + sentence("%.3g", flight.with_delay.find(parameter)->value);
   }
   return text;
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 #include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -105,8 +105,7 @@ void checkRate(const FlightSignals& signals, const std::string& angle, const std
   if (found.correlation < 0.0)
     remarks->push_back(angle + " and " + rate + " have opposite signs: one of them is of another frame");
   if (found.ratio < kEqualUnits && found.ratio > 1.0 / kEqualUnits) return;
-  char text[80];
-  std::snprintf(text, sizeof text, " changes by %.3g times what ", found.ratio);
+  const std::string text = sentence(" changes by %.3g times what ", found.ratio);
   const std::string& greater = found.ratio > 1.0 ? angle : rate;
   remarks->push_back(angle + text + rate + " says: their units differ; " + otherUnit(signals, greater));
 }
@@ -119,9 +118,8 @@ void checkForce(FlightSignals* signals, const std::vector<TimeWindow>& left_out,
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (*middle<kForceMargin * kGravityShown&& * middle> kGravityShown / kForceMargin) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ",
-                *middle);
+  const std::string text =
+      sentence("specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ", *middle);
   const std::string help = *middle < 0.0 ? "--signal specific_force_z=-" +
                                                placeOf(*signals, "specific_force_z") + " turns its sign"
                                          : "give it in m/s^2, with gravity";

@@ -1,18 +1,16 @@
 #include "identification/yaml_text.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include "identification/provenance.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 
 std::string yamlNumber(double value) {
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  return sentence("%.6g", value);
 }
 
 std::string provenanceMap(const Provenance& provenance) {
@@ -38,17 +36,11 @@ std::string vehicleLine(const VehicleKind& vehicle) {
 }
 
 std::string valueText(double value, double half_width) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.5g", value);
-  std::string result = text;
   // Half width from which on the data say nothing, for any quantity here.
   constexpr double kNoInterval = 1e4;
-  if (std::abs(half_width) < kNoInterval) {
-    std::snprintf(text, sizeof text, " +- %.2g", half_width);
-  } else {
-    std::snprintf(text, sizeof text, " (no interval: the data do not bound it)");
-  }
-  return result + text;
+  return sentence("%.5g", value) + (std::abs(half_width) < kNoInterval
+                                        ? sentence(" +- %.2g", half_width)
+                                        : " (no interval: the data do not bound it)");
 }
 
 }  // namespace polyfly
