@@ -87,38 +87,22 @@ std::size_t modelCount(const std::string& axis, bool second_order) {
 }
 
 // The models of the first half, each validated on the second; none where a half says too little.
-std::vector<AxisValidationFit> validateByHalves(const LoopRecord& record,
-                                                const std::vector<LoopSegment>& segments,
-                                                const FitOptions& options, std::size_t count) {
-  const auto [first, second] = halves(segments);
-  const std::vector<LoopSegment> training = cutSegments(record, first, options.delay_greatest);
-  const std::vector<LoopSegment> rest = cutSegments(record, second, options.delay_greatest);
+std::vector<AxisValidationFit> validateByHalves(const AxisModel& model, const FitOptions& options) {
+  const auto [first, second] = halves(model.segments);
+  const std::vector<LoopSegment> training = cutSegments(model.record, first, options.delay_greatest);
+  const std::vector<LoopSegment> rest = cutSegments(model.record, second, options.delay_greatest);
   if (totalDuration(training) < kLeastHalf || totalDuration(rest) < kLeastHalf) return {};
   try {
     std::vector<AxisValidationFit> results;
-    for (const LoopFit& fit : fitModels(fitLoop(training, options), training, options, count)) {
-      results.push_back(validateOn(fit, record.source, rest));
+    for (const LoopFit& fit :
+         fitModels(fitLoop(training, options), training, options, model.controller_models.size())) {
+      results.push_back(validateOn(fit, model.source, rest));
       results.back().by_halves = true;
     }
     return results;
   } catch (const Error&) {
     return {};  // a half in which nothing moves says nothing
   }
-}
-
-// Every controller model on the segments of another flight.
-std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const std::string& source,
-                                                const std::vector<LoopSegment>& segments) {
-  std::vector<AxisValidationFit> results;
-  for (const ControllerModel& one : model.controller_models)
-    results.push_back(validateOn(one.fit, source, segments));
-  return results;
-}
-
-void takeValidation(std::vector<AxisValidationFit> results, AxisModel* model) {
-  for (std::size_t i = 0; i < results.size(); ++i)
-    model->controller_models[i].validation = std::move(results[i]);
-  model->validation = model->controller_models.front().validation;
 }
 
 // Every model of the axis on its segments.
@@ -130,27 +114,33 @@ void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
     model->controller_models.push_back({kModels[i].key, kModels[i].title, std::move(fits[i]), {}, {}});
 }
 
-std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
-                              const IdentifyOptions& options, ExcitationChoice* choice) {
-  *choice = chooseExcitation(record);
-  if (windows.empty()) {
-    keepWhatFollows(record, options.fit, choice);
-    return choice->windows;
+ExcitationChoice chosenWindows(const std::vector<TimeWindow>& given, const LoopRecord& record,
+                               const FitOptions& fit) {
+  ExcitationChoice choice = chooseExcitation(record);
+  if (given.empty()) {
+    keepWhatFollows(record, fit, &choice);
+  } else {
+    choice.windows = given;
+    choice.rejected.clear();
   }
-  choice->windows = windows;
-  choice->rejected.clear();
-  return windows;
+  return choice;
 }
 
-// Where the models are validated on another flight.
-std::vector<LoopSegment> validationSegments(const AxisRecords& records, const LoopRecord& clean,
-                                            const IdentifyOptions& options, const AxisModel& model) {
-  ExcitationChoice choice;
-  const auto chosen = given(options.validation_windows, clean, options, &choice);
-  const std::vector<LoopSegment> all = cutSegments(clean, chosen, options.fit.delay_greatest);
-  const std::string where = clean.source + ": " + model.axis + ": ";
-  if (all.empty()) throw Error(where + "nothing to validate on" + whyUnusable(records.validation->response));
-  return all;
+// Every controller model on another flight.
+std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const LoopRecord& record,
+                                                const IdentifyOptions& options) {
+  CleaningCounts ignored;
+  const LoopRecord clean = cleanRecord(record, &ignored);
+  const std::vector<LoopSegment> segments =
+      cutSegments(clean, chosenWindows(options.validation_windows, clean, options.fit).windows,
+                  options.fit.delay_greatest);
+  if (segments.empty()) {
+    throw Error(clean.source + ": " + model.axis + ": nothing to validate on" + whyUnusable(record.response));
+  }
+  std::vector<AxisValidationFit> results;
+  for (const ControllerModel& one : model.controller_models)
+    results.push_back(validateOn(one.fit, clean.source, segments));
+  return results;
 }
 
 }  // namespace
@@ -197,13 +187,12 @@ AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& optio
   model.unit = records.unit;
   model.command_unit = records.command_unit;
   model.source = records.training.source;
-  model.smoothing = records.training.smoothing;
   model.cleaning = records.cleaning;
   model.record = cleanRecord(records.training, &model.cleaning);
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
-  model.choice.windows = given(options.windows, model.record, options, &model.choice);
+  model.choice = chosenWindows(options.windows, model.record, options.fit);
   model.segments = cutSegments(model.record, model.choice.windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +
@@ -226,15 +215,12 @@ void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisMod
   } catch (const Error& error) {
     throw Error(where + error.what());
   }
-  if (records.validation) {
-    CleaningCounts ignored;
-    const LoopRecord other = cleanRecord(*records.validation, &ignored);
-    takeValidation(
-        validateOnFlight(*model, other.source, validationSegments(records, other, options, *model)), model);
-  } else {
-    takeValidation(validateByHalves(model->record, model->segments, fit, model->controller_models.size()),
-                   model);
-  }
+  std::vector<AxisValidationFit> validation = records.validation
+                                                  ? validateOnFlight(*model, *records.validation, options)
+                                                  : validateByHalves(*model, fit);
+  for (std::size_t i = 0; i < validation.size(); ++i)
+    model->controller_models[i].validation = std::move(validation[i]);
+  model->validation = model->controller_models.front().validation;
   model->lead = leadOf(model->with_delay, model->segments, fit);
   model->warnings = diagnose(*model, records, fit);
   judgeModels(fit, model);

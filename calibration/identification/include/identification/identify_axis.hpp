@@ -44,7 +44,6 @@ struct AxisModel {
   std::string unit;
   std::string command_unit;
   std::string source;
-  double smoothing = 0.0;  ///< [s]
   CleaningCounts cleaning;
   ExcitationChoice choice;
   LoopRecord record;
