@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "quantile.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -61,13 +63,6 @@ void addActivity(const TimeSeries& command, const TimeWindow& window, double hal
     activity->time.push_back(window.from + kGrid * static_cast<double>(i));
     activity->value.push_back(std::sqrt(std::max(0.0, variance)));
   }
-}
-
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 // Activity above which lies half of its energy. Where a short excitation is in a long hover, the quantile is that of
@@ -169,7 +164,7 @@ ExcitationChoice chooseExcitation(const LoopRecord& record) {
     active.push_back({window, first, choice.activity.time.size()});
   }
   if (active.empty()) return choice;
-  choice.threshold = std::max(kThresholdShare * quantile(choice.activity.value, kBusyShare),
+  choice.threshold = std::max(kThresholdShare * quantileOf(choice.activity.value, kBusyShare),
                               kEnergyShare * energyLevel(choice.activity.value));
   if (choice.threshold < kLeastActivity) return choice;
   for (const ActivePiece& piece : active) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "quantile.hpp"
 
 namespace polyfly {
 namespace {
@@ -37,18 +39,12 @@ struct Cell {
   double samples = 0.0;
 };
 
-double middle(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // Response without a model: level around which it moves.
 double levelOf(const std::vector<LoopSegment>& segments) {
   std::vector<double> all;
   for (const LoopSegment& segment : segments)
     all.insert(all.end(), segment.response.begin(), segment.response.end());
-  return middle(std::move(all));
+  return quantileOf(std::move(all));
 }
 
 // Cells of each segment.
@@ -158,7 +154,7 @@ std::optional<double> usualResidual(const Cells& cells) {
     }
   }
   if (residuals.empty()) return std::nullopt;
-  return middle(std::move(residuals));
+  return quantileOf(std::move(residuals));
 }
 
 double ratioOf(const Cell& stretch) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -10,13 +12,6 @@ namespace {
 
 // Steps that get a clause of their own.
 constexpr std::size_t kMostClauses = 3;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Stamped {
   std::vector<double> stamp;
@@ -26,7 +21,7 @@ struct Stamped {
   double medianLead(std::size_t begin, std::size_t end) const {
     std::vector<double> leads;
     for (std::size_t index = begin; index < end; ++index) leads.push_back(lead(index));
-    return median(std::move(leads));
+    return quantileOf(std::move(leads));
   }
 };
 
@@ -52,7 +47,7 @@ double usualPeriod(const std::vector<double>& stamps) {
   std::vector<double> periods;
   for (std::size_t index = 1; index < stamps.size(); ++index)
     periods.push_back(stamps[index] - stamps[index - 1]);
-  return median(std::move(periods));
+  return quantileOf(std::move(periods));
 }
 
 void findSteps(const Stamped& messages, HeaderClock* clock) {

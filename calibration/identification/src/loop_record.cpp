@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -217,10 +219,7 @@ double typicalPeriod(const TimeSeries& series, double longest) {
     const double period = series.time[i] - series.time[i - 1];
     if (period <= longest) periods.push_back(period);
   }
-  if (periods.empty()) return 0.0;
-  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-  std::nth_element(periods.begin(), middle, periods.end());
-  return *middle;
+  return quantileOf(std::move(periods));
 }
 
 std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector<TimeWindow>& windows,

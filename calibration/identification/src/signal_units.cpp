@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -115,14 +117,13 @@ void checkForce(FlightSignals* signals, const std::vector<TimeWindow>& left_out,
                 std::vector<std::string>* remarks) {
   std::vector<double> values = without(cleanSignal(*signals, "specific_force_z"), left_out).value;
   if (values.size() < kLeastCompared) return;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (*middle<kForceMargin * kGravityShown&& * middle> kGravityShown / kForceMargin) return;
+  const double middle = quantileOf(std::move(values));
+  if (middle<kForceMargin * kGravityShown&& * middle> kGravityShown / kForceMargin) return;
   const std::string text =
-      sentence("specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ", *middle);
-  const std::string help = *middle < 0.0 ? "--signal specific_force_z=-" +
-                                               placeOf(*signals, "specific_force_z") + " turns its sign"
-                                         : "give it in m/s^2, with gravity";
+      sentence("specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ", middle);
+  const std::string help =
+      middle < 0.0 ? "--signal specific_force_z=-" + placeOf(*signals, "specific_force_z") + " turns its sign"
+                   : "give it in m/s^2, with gravity";
   remarks->push_back(text + help);
   for (const char* name : {"specific_force_x", "specific_force_y", "specific_force_z"})
     signals->series.erase(name);

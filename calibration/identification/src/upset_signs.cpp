@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "flight_signs.hpp"
+#include "quantile.hpp"
 
 namespace polyfly {
 namespace {
@@ -106,10 +108,8 @@ bool spins(const FlightGrid& grid, std::size_t i) {
 bool isCalibrated(std::vector<double> force) {
   force.erase(std::remove_if(force.begin(), force.end(), [](double one) { return !std::isfinite(one); }),
               force.end());
-  if (force.empty()) return false;
-  const auto middle = force.begin() + static_cast<std::ptrdiff_t>(force.size() / 2);
-  std::nth_element(force.begin(), middle, force.end());
-  return *middle > kForceLeast * kEarthGravity && *middle < kForceGreatest * kEarthGravity;
+  const double middle = quantileOf(std::move(force));
+  return middle > kForceLeast * kEarthGravity && middle < kForceGreatest * kEarthGravity;
 }
 
 bool falls(const FlightGrid& grid, std::size_t i) {
