@@ -42,10 +42,9 @@ std::vector<double> onGrid(const TimeSeries& series, const TimeWindow& window) {
 }
 
 // Of one piece of the record, appended to what there is of the others.
-void addActivity(const TimeSeries& command, const TimeWindow& window, double half_width,
-                 TimeSeries* activity) {
+void addActivity(const TimeSeries& command, const TimeWindow& window, TimeSeries* activity) {
   const std::vector<double> values = onGrid(command, window);
-  const auto reach = static_cast<std::ptrdiff_t>(std::lround(half_width / kGrid));
+  const auto reach = static_cast<std::ptrdiff_t>(std::lround(kHalfWidth / kGrid));
   std::vector<double> sum(values.size() + 1, 0.0);
   std::vector<double> square(values.size() + 1, 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -86,14 +85,14 @@ struct ActivePiece {
   std::size_t last = 0;
 };
 
-std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double threshold, double margin,
+std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double threshold,
                                       const ActivePiece& piece) {
   const TimeWindow& all = piece.window;
   std::vector<TimeWindow> windows;
   for (std::size_t i = piece.first; i < piece.last; ++i) {
     if (activity.value[i] < threshold) continue;
-    const TimeWindow around = {std::max(all.from, activity.time[i] - margin),
-                               std::min(all.to, activity.time[i] + margin)};
+    const TimeWindow around = {std::max(all.from, activity.time[i] - kMargin),
+                               std::min(all.to, activity.time[i] + kMargin)};
     if (!windows.empty() && around.from <= windows.back().to + kJoin) {
       windows.back().to = around.to;
     } else {
@@ -152,6 +151,8 @@ ExcitationChoice chooseExcitation(const LoopRecord& record) {
                           record.response.time.back()};
   if (!(all.from < all.to)) return choice;
   std::vector<ActivePiece> active;
+  // Deviation of the command around each time.
+  TimeSeries activity;
   choice.rejected = record.not_flight;
   for (const TimeWindow& window :
        windowsWithout(cutAtFarSteps({all}, record.response.time), record.not_flight)) {
@@ -159,16 +160,16 @@ ExcitationChoice chooseExcitation(const LoopRecord& record) {
       choice.rejected.push_back({window, "its samples are too far apart"});
       continue;
     }
-    const std::size_t first = choice.activity.time.size();
-    addActivity(record.command, window, kHalfWidth, &choice.activity);
-    active.push_back({window, first, choice.activity.time.size()});
+    const std::size_t first = activity.time.size();
+    addActivity(record.command, window, &activity);
+    active.push_back({window, first, activity.time.size()});
   }
   if (active.empty()) return choice;
-  choice.threshold = std::max(kThresholdShare * quantileOf(choice.activity.value, kBusyShare),
-                              kEnergyShare * energyLevel(choice.activity.value));
-  if (choice.threshold < kLeastActivity) return choice;
+  const double threshold = std::max(kThresholdShare * quantileOf(activity.value, kBusyShare),
+                                    kEnergyShare * energyLevel(activity.value));
+  if (threshold < kLeastActivity) return choice;
   for (const ActivePiece& piece : active) {
-    for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, kMargin, piece)) {
+    for (const TimeWindow& window : activeWindows(activity, threshold, piece)) {
       if (window.to - window.from < kLeastWindow) {
         choice.rejected.push_back({window, "too short"});
       } else {

@@ -116,13 +116,9 @@ void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
 
 ExcitationChoice chosenWindows(const std::vector<TimeWindow>& given, const LoopRecord& record,
                                const FitOptions& fit) {
+  if (!given.empty()) return {given, {}};
   ExcitationChoice choice = chooseExcitation(record);
-  if (given.empty()) {
-    keepWhatFollows(record, fit, &choice);
-  } else {
-    choice.windows = given;
-    choice.rejected.clear();
-  }
+  keepWhatFollows(record, fit, &choice);
   return choice;
 }
 

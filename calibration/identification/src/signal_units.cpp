@@ -118,7 +118,7 @@ void checkForce(FlightSignals* signals, const std::vector<TimeWindow>& left_out,
   std::vector<double> values = without(cleanSignal(*signals, "specific_force_z"), left_out).value;
   if (values.size() < kLeastCompared) return;
   const double middle = quantileOf(std::move(values));
-  if (middle<kForceMargin * kGravityShown&& * middle> kGravityShown / kForceMargin) return;
+  if (middle < kForceMargin * kGravityShown && middle > kGravityShown / kForceMargin) return;
   const std::string text =
       sentence("specific_force_z shows %.3g m/s^2 where gravity is +9.81: not used; ", middle);
   const std::string help =

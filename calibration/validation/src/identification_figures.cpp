@@ -73,19 +73,9 @@ ReportFigure selectionFigure(const AxisModel& axis) {
     command.style = Style::kSteps;
     panel.series.push_back(thinned(withGaps(command), kCurvePoints));
   }
-  Panel activity = timePanel("", "activity [" + axis.command_unit + "]");
-  Series curve;
-  curve.x = axis.choice.activity.time;
-  curve.y = axis.choice.activity.value;
-  curve.label = "deviation of the command over 2 s";
-  if (!curve.x.empty()) {
-    activity.series = {thinned(withGaps(curve), kCurvePoints)};
-    activity.bounds = {{axis.choice.threshold, "threshold"}};
-  }
   std::vector<Panel> panels = {panel};
-  if (!activity.series.empty()) panels.push_back(activity);
   countFrom(start, &panels);
-  result.figure = pageFigure(std::move(panels), row_height::kPaired);
+  result.figure = pageFigure(std::move(panels), row_height::kAlone);
   return result;
 }
 

@@ -41,14 +41,13 @@ void writeFlights(const MotionCalibration& calibration, std::ostream& out) {
 
 void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>" << escaped(calibration.kind)
-      << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>standard "
-         "error</th><th>95 % interval</th><th>supported</th></tr>\n";
+      << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>95 % "
+         "interval</th><th>supported</th></tr>\n";
   for (const FittedParameter& parameter : calibration.fit.parameters) {
     out << (parameter.supported && isBounded(parameter) ? "<tr><td>" : "<tr class='bad'><td>")
         << escaped(parameter.name) << "</td><td>" << number(parameter.value, 4) << " "
-        << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
-        << number(parameter.standard_error, 2) << "</td><td>" << intervalText(parameter) << "</td><td>"
-        << (parameter.supported ? "yes" : "no") << "</td></tr>\n";
+        << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>" << intervalText(parameter)
+        << "</td><td>" << (parameter.supported ? "yes" : "no") << "</td></tr>\n";
   }
   out << "</table></div>";
   writeFlights(calibration, out);

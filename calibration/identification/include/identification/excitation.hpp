@@ -14,10 +14,6 @@ constexpr double kLeastWindow = 3.0;
 struct ExcitationChoice {
   std::vector<TimeWindow> windows;
   std::vector<RejectedWindow> rejected;
-  /// Deviation of the command around each time, in its unit.
-  TimeSeries activity;
-  /// Threshold of the activity.
-  double threshold = 0.0;
 };
 
 /// Finds the windows in which the vehicle flies and the command is active.
