@@ -14,6 +14,8 @@ namespace {
 // Length of the cells in which energies are summed, and cells of a stretch that is judged.
 constexpr double kCell = 0.5;  // [s]
 constexpr std::size_t kJudgedCells = 4;
+// Cells of a short stretch.
+constexpr std::size_t kPairCells = 2;
 // Parts of the windows that a model is fitted to: most of them, and least length [s].
 constexpr double kMostParts = 10.0;
 constexpr double kLeastPart = 6.0;
@@ -76,9 +78,9 @@ Cells cellsOf(const LoopFit& fit, const std::vector<LoopSegment>& segments, doub
 }
 
 // Sum of neighbouring cells, first one `at`.
-Cell stretchAt(const std::vector<Cell>& cells, std::size_t at) {
+Cell stretchAt(const std::vector<Cell>& cells, std::size_t at, std::size_t count = kJudgedCells) {
   Cell sum = cells[at];
-  for (std::size_t i = at + 1; i < std::min(cells.size(), at + kJudgedCells); ++i) {
+  for (std::size_t i = at + 1; i < std::min(cells.size(), at + count); ++i) {
     sum.to = cells[i].to;
     sum.response += cells[i].response;
     sum.residual += cells[i].residual;
@@ -163,8 +165,12 @@ double ratioOf(const Cell& stretch) {
 
 double missedBy(const Cell& stretch) { return std::sqrt(stretch.residual / std::max(1.0, stretch.samples)); }
 
+bool missesByFar(const Cell& stretch, double usual) {
+  return ratioOf(stretch) > kExplained && missedBy(stretch) > kFarAway * usual;
+}
+
 bool isStray(const Cell& stretch, double usual) {
-  return (ratioOf(stretch) > kExplained && missedBy(stretch) > kFarAway * usual) ||
+  return missesByFar(stretch, usual) ||
          (ratioOf(stretch) > kUnexplained && missedBy(stretch) > kAway * usual);
 }
 
@@ -175,6 +181,12 @@ std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
     if (!isStray(stretchAt(cells, i), usual)) continue;
     std::fill_n(stray.begin() + static_cast<std::ptrdiff_t>(i), std::min(kJudgedCells, cells.size() - i),
                 true);
+  }
+  // Short stretches must miss by far.
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool at_end = i == 0 || i + 1 == cells.size();
+    if (at_end && missesByFar(cells[i], usual)) stray[i] = true;
+    if (i > 0 && missesByFar(stretchAt(cells, i - 1, kPairCells), usual)) stray[i - 1] = stray[i] = true;
   }
   const auto misses = [&](std::size_t i) { return missedBy(cells[i]) > kAway * usual; };
   for (std::size_t i = 1; i < cells.size(); ++i) {

@@ -138,7 +138,7 @@ std::vector<FittedParameter> meanParameters(const std::vector<std::vector<Fitted
       mean.standard_error = std::fmax(mean.standard_error, flight[i].standard_error);
       mean.half_width = std::fmax(mean.half_width, flight[i].half_width);
     }
-    mean.half_width = std::fmax(mean.half_width, 0.5 * (greatest - least));
+    mean.half_width = std::max(mean.half_width, 0.5 * (greatest - least));
   }
   return means;
 }

@@ -82,8 +82,7 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
     const double time = i / loop.command_rate;
     const double command = commandAt(amplitudes, time + kRounding);
     record.command.time.push_back(time);
-    record.command.value.push_back(loop.quantum > 0.0 ? loop.quantum * std::round(command / loop.quantum)
-                                                      : command);
+    record.command.value.push_back(command);
   }
   State state;
   double drift = 0.0;

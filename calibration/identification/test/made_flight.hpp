@@ -24,8 +24,6 @@ struct MadeLoop {
   double noise = 0.004;
   /// Standard deviation of a disturbance with a correlation time of 0.3 s.
   double coloured_noise = 0.0;
-  /// Quantum of the logged command. The loop gets the exact command.
-  double quantum = 0.0;
   double duration = 30.0;  ///< [s]
   /// Rate of the response, with jittered times [Hz].
   double response_rate = 50.0;
