@@ -24,24 +24,6 @@ std::string fileOf(const AxisModel& flight) {
   return std::filesystem::path(flight.source).filename().string();
 }
 
-// What each of several flights says.
-void writeFlights(const AxisModel& axis, std::ostream& out) {
-  if (axis.flights.empty()) return;
-  out << "<h3>What each flight says</h3><p>The numbers above are the means of " << axis.flights.size()
-      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th><th>fit</th>";
-  for (const FittedParameter& parameter : axis.with_delay.parameters)
-    out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
-  out << "</tr>\n";
-  for (const AxisModel& flight : axis.flights) {
-    out << "<tr><td>" << escaped(fileOf(flight)) << "</td><td>" << number(flight.with_delay.fit_percent, 3)
-        << " %</td>";
-    for (const FittedParameter& parameter : flight.with_delay.parameters)
-      out << "<td>" << valueWithin(parameter) << "</td>";
-    out << "</tr>\n";
-  }
-  out << "</table></div>\n";
-}
-
 // What controllers can be given, each with its own evaluation.
 void writeControllerModels(const AxisModel& axis, std::ostream& out) {
   out << "<div class='scroll'><table><tr><th>model for a controller</th><th>supported</th><th>fit</th>"
@@ -69,7 +51,10 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
   for (const std::string& clause : clauses) out << "<li>" << escaped(clause) << "</li>";
   if (!clauses.empty()) out << "</ul>\n";
   writeControllerModels(axis, out);
-  writeFlights(axis, out);
+  std::vector<FlightNumbers> flights;
+  for (const AxisModel& flight : axis.flights)
+    flights.push_back({fileOf(flight), flight.with_delay.parameters});
+  writeFlights(flights, out);
   out << "</section>\n";
 }
 

@@ -18,27 +18,6 @@ std::vector<std::string> sentencesOf(const MotionCalibration& calibration) {
   return sentences;
 }
 
-// What each of several flights says.
-void writeFlights(const MotionCalibration& calibration, std::ostream& out) {
-  if (calibration.fit.flights.empty()) {
-    out << "<p>The intervals hold for this flight alone.</p>";
-    return;
-  }
-  out << "<h3>What each flight says</h3><p>The numbers above are the means of "
-      << calibration.fit.flights.size()
-      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th>";
-  for (const FittedParameter& parameter : calibration.fit.parameters)
-    out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
-  out << "</tr>\n";
-  for (std::size_t i = 0; i < calibration.fit.flights.size(); ++i) {
-    out << "<tr><td>" << escaped(calibration.data[i].file) << "</td>";
-    for (const FittedParameter& parameter : calibration.fit.flights[i])
-      out << "<td>" << valueWithin(parameter) << "</td>";
-    out << "</tr>\n";
-  }
-  out << "</table></div>";
-}
-
 void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>" << escaped(calibration.kind)
       << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>95 % "
@@ -50,7 +29,10 @@ void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
         << "</td><td>" << (parameter.supported ? "yes" : "no") << "</td></tr>\n";
   }
   out << "</table></div>";
-  writeFlights(calibration, out);
+  std::vector<FlightNumbers> flights;
+  for (std::size_t i = 0; i < calibration.fit.flights.size(); ++i)
+    flights.push_back({calibration.data[i].file, calibration.fit.flights[i]});
+  writeFlights(flights, out);
   out << "</section>\n";
 }
 
