@@ -134,27 +134,16 @@ void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, LoopFit*
     covariance = transform * covariance * transform.transpose();
   }
   const double factor = intervalFactor(robust.lag_share);
-  const auto size = static_cast<Eigen::Index>(fit->parameters.size());
-  fit->correlation = Eigen::MatrixXd::Identity(size, size);
-  // Place of each parameter in the covariance; -1: none.
-  std::vector<Eigen::Index> place;
-  for (Eigen::Index i = 0, at = 0; i < size; ++i) {
-    const bool fixed = fit->parameters[static_cast<std::size_t>(i)].name == "delay" && !delay_free;
-    place.push_back(fixed ? -1 : at++);
-  }
-  for (Eigen::Index i = 0; i < size; ++i) {
-    const Eigen::Index row = place[static_cast<std::size_t>(i)];
-    auto& parameter = fit->parameters[static_cast<std::size_t>(i)];
+  Eigen::Index row = 0;
+  for (FittedParameter& parameter : fit->parameters) {
+    // A delay at the end of its search has no error.
+    const bool fixed = parameter.name == "delay" && !delay_free;
     parameter.standard_error =
-        row < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(covariance(row, row));
+        fixed ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(covariance(row, row));
     parameter.half_width = factor * parameter.standard_error;
-    for (Eigen::Index j = 0; j < size; ++j) {
-      const Eigen::Index column = place[static_cast<std::size_t>(j)];
-      if (i == j || row < 0 || column < 0) continue;
-      fit->correlation(i, j) =
-          covariance(row, column) / std::sqrt(covariance(row, row) * covariance(column, column));
-    }
+    row += fixed ? 0 : 1;
   }
+  if (fit->shape.order == LoopOrder::kFirst && delay_free) fit->lag_delay_covariance = covariance(1, 2);
 }
 
 }  // namespace

@@ -20,13 +20,6 @@ constexpr double kUpperEnd = 0.95;
 // Factor of the least value up to which a number lies at the lower end of the search range.
 constexpr double kLowerEnd = 1.05;
 
-Eigen::Index placeOf(const LoopFit& fit, const std::string& name) {
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
-    if (fit.parameters[i].name == name) return static_cast<Eigen::Index>(i);
-  }
-  return -1;
-}
-
 // A delay that was not looked for, or lies at its least value, has no error.
 double errorOf(const FittedParameter& parameter) {
   return std::isfinite(parameter.standard_error) ? parameter.standard_error : 0.0;
@@ -82,32 +75,18 @@ void addSearchReasons(const ControllerModel& model, const FitOptions& bounds,
 }  // namespace
 
 LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>& segments) {
-  const FittedParameter& gain = *with_delay.find("gain");
   const FittedParameter& tau = *with_delay.find("tau");
   const FittedParameter& delay = *with_delay.find("delay");
-  const Eigen::Index at_gain = placeOf(with_delay, "gain");
-  const Eigen::Index at_tau = placeOf(with_delay, "tau");
-  const Eigen::Index at_delay = placeOf(with_delay, "delay");
-  const Eigen::Index at_offset = placeOf(with_delay, "offset");
   LoopFit result = with_delay;
   result.shape.tau = tau.value + delay.value;
   result.shape.delay = 0.0;
   // Variance of the sum from the covariance of the two. A delay that was not fitted has no error.
-  const double of_tau = tau.standard_error;
   const double of_delay = errorOf(delay);
-  const Eigen::MatrixXd& correlated = with_delay.correlation;
   const double variance =
-      of_tau * of_tau + of_delay * of_delay + 2.0 * correlated(at_tau, at_delay) * of_tau * of_delay;
+      tau.standard_error * tau.standard_error + of_delay * of_delay + 2.0 * with_delay.lag_delay_covariance;
   FittedParameter sum = {"tau", "s", result.shape.tau, std::sqrt(std::max(0.0, variance))};
-  sum.half_width = tau.half_width / of_tau * sum.standard_error;
-  result.parameters = {gain, sum, *with_delay.find("offset")};
-  const auto with_sum = [&](Eigen::Index other) {
-    return (correlated(other, at_tau) * of_tau + correlated(other, at_delay) * of_delay) / sum.standard_error;
-  };
-  result.correlation = Eigen::MatrixXd::Identity(3, 3);
-  result.correlation(0, 1) = result.correlation(1, 0) = with_sum(at_gain);
-  result.correlation(1, 2) = result.correlation(2, 1) = with_sum(at_offset);
-  result.correlation(0, 2) = result.correlation(2, 0) = correlated(at_gain, at_offset);
+  sum.half_width = tau.half_width / tau.standard_error * sum.standard_error;
+  result.parameters = {*with_delay.find("gain"), sum, *with_delay.find("offset")};
   LoopPrediction prediction = predictLoop(result, segments);
   result.fit_percent = prediction.fit_percent;
   result.residual_rms = prediction.residual_rms;

@@ -17,7 +17,7 @@ constexpr double kGreatSpread = 0.4;
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-// The mean of one model over flights; correlation, residuals and prediction are of no flight and left empty.
+// The mean of one model over flights; residuals and prediction are of no flight and left empty.
 LoopFit meanFit(const std::vector<LoopFit>& flights) {
   LoopFit fit;
   std::vector<std::vector<FittedParameter>> parameters;

@@ -54,8 +54,8 @@ struct LoopFit {
   double offset = 0.0;
   /// First order: gain, tau, delay; second: a0, a1, b0, delay; offset.
   std::vector<FittedParameter> parameters;
-  /// Correlation of the parameters, in their order.
-  Eigen::MatrixXd correlation;
+  /// Covariance of tau and delay [s^2]; 0 where the delay is not fitted.
+  double lag_delay_covariance = 0.0;
   /// Fit 100 (1 - |y - model| / |y - mean y|) over all segments [%].
   double fit_percent = 0.0;
   /// Root mean square of the residuals, in the response's unit.
