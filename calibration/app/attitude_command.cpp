@@ -106,7 +106,8 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   for (const std::string& sentence : missing) calibration.remarks.push_back(sentence);
   for (const std::string& axis : axes) {
     try {
-      options.second_order = arguments.second_order || axis == "roll";
+      options.second_order =
+          arguments.second_order || (axis == "roll" && calibration.vehicle.name == "fixed_wing");
       calibration.axes.push_back(identifyFlights(recordsOf(flights, windows, validation, axis), options));
     } catch (const Error& error) {
       calibration.failed.emplace_back(error.what());
@@ -148,7 +149,7 @@ void addAttitudeCommand(CLI::App& app, int* result) {
                    "Interval to use of the validation flight. May be repeated.")
       ->type_name("FROM:TO");
   command->add_flag("--second-order", arguments->second_order,
-                    "Fit a0, a1, b0 (Eq. 45) for every axis, not only for roll.");
+                    "Fit a0, a1, b0 (Eq. 45) for every axis, not only for the roll of a fixed wing.");
   command->add_option("--delay-max", arguments->options.fit.delay_greatest, "Upper bound of the delay [s].")
       ->check(numberFrom(0.01, 3.0))
       ->capture_default_str();

@@ -12,7 +12,7 @@ constexpr int kBadInput = 2;
 /// Adds `attitude` to the tool; running it stores its exit code.
 void addAttitudeCommand(CLI::App& app, int* result);
 
-/// Adds `disturbance`, `drag`, `mass`, `thrust`, `heading` and `wind`.
+/// Adds `disturbance`, `drag` and `mass`.
 void addMotionCommands(CLI::App& app, int* result);
 
 /// Adds `apply`.

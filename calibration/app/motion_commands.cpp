@@ -6,8 +6,6 @@
 
 #include "calibrate_commands.hpp"
 #include "identification/motion_output.hpp"
-#include "identification/several_motions.hpp"
-#include "identification/thrust_fit.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -20,80 +18,29 @@ namespace {
 struct MotionArguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
-  /// Degree of the thrust curve, 0: chosen.
-  int degree = 0;
   std::vector<double> drag;
   std::string report;
 };
 
-// The flights: all together on one clock, and each on its own with its windows.
-struct MotionFlights {
-  FlightSignals joint;
-  std::vector<TimeWindow> windows;
-  std::vector<FlightSignals> each;
-  std::vector<std::vector<TimeWindow>> each_windows;
+using Find = std::function<void(const std::vector<Motion>&, const MotionArguments&, MotionCalibration*)>;
 
-  bool several() const { return each.size() > 1; }
-};
-
-using Find = std::function<void(const MotionFlights&, const MotionArguments&, MotionCalibration*)>;
-
-// The windows of all flights on their common clock. A flight without one is used as a whole if another has one.
-std::vector<TimeWindow> jointWindows(const MotionFlights& flights, const JoinedFlights& joined) {
-  const auto& each = flights.each_windows;
-  if (std::all_of(each.begin(), each.end(), [](const auto& windows) { return windows.empty(); })) return {};
-  std::vector<TimeWindow> all;
-  for (std::size_t i = 0; i < each.size(); ++i) {
-    for (const TimeWindow& window : each[i])
-      all.push_back({window.from + joined.shifts[i], window.to + joined.shifts[i]});
-    if (!each[i].empty()) continue;
-    const std::vector<TimeWindow> flown = windowsWithout({joined.spans[i]}, joined.signals.not_flight);
-    all.insert(all.end(), flown.begin(), flown.end());
-  }
-  return all;
-}
-
-MotionFlights readMotion(const MotionArguments& arguments, MotionCalibration* calibration) {
-  MotionFlights flights;
-  std::vector<ReadFlight> read = readFlights(arguments, &calibration->remarks);
-  calibration->vehicle = vehicleOf(read);
-  for (ReadFlight& flight : read) {
+// The motion of each flight, and what the page draws of a single one.
+std::vector<Motion> readMotions(const MotionArguments& arguments, MotionCalibration* calibration) {
+  const std::vector<ReadFlight> flights = readFlights(arguments, &calibration->remarks);
+  calibration->vehicle = vehicleOf(flights);
+  calibration->windows = flightWindows(arguments.windows, flights.size());
+  std::vector<Motion> motions;
+  for (const ReadFlight& flight : flights) {
+    MotionOptions options = arguments.motion;
+    options.windows = calibration->windows[motions.size()];
+    motions.push_back(motionOf(flight.signals, options));
     calibration->lossy = calibration->lossy || flight.signals.lossy;
-    flights.each.push_back(std::move(flight.signals));
     calibration->data.push_back(flight.provenance);
+    for (const char* name : {"vx", "vy", "vz"}) {
+      if (flights.size() == 1) calibration->record.emplace_back(name, cleaned(flight.signals.at(name)));
+    }
   }
-  flights.each_windows = flightWindows(arguments.windows, flights.each.size());
-  calibration->windows = flights.each_windows;
-  if (!flights.several()) {
-    flights.joint = flights.each.front();
-    flights.windows = flights.each_windows.front();
-    return flights;
-  }
-  JoinedFlights joined = joinFlights(flights.each);
-  flights.windows = jointWindows(flights, joined);
-  flights.joint = std::move(joined.signals);
-  return flights;
-}
-
-Motion jointMotion(const MotionFlights& flights, MotionOptions options) {
-  options.windows = flights.windows;
-  return motionOf(flights.joint, options);
-}
-
-std::vector<Motion> motions(const MotionFlights& flights, MotionOptions options) {
-  std::vector<Motion> all;
-  for (std::size_t i = 0; i < flights.each.size(); ++i) {
-    options.windows = flights.each_windows[i];
-    all.push_back(motionOf(flights.each[i], options));
-  }
-  return all;
-}
-
-// What the page draws of the whole record.
-std::vector<std::string> drawnSignals(const std::string& kind) {
-  if (kind == "wind") return {"vn", "ve", "airspeed"};
-  if (kind == "thrust") return {"thrust_cmd"};
-  return {"vx", "vy", "vz"};
+  return motions;
 }
 
 int run(const std::string& kind, MotionArguments arguments, const Find& find) {
@@ -104,82 +51,31 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   for (std::size_t i = 0; i < arguments.drag.size(); ++i) {
     arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
   }
-  const MotionFlights flights = readMotion(arguments, &calibration);
-  for (const std::string& name : drawnSignals(kind)) {
-    if (flights.joint.has(name)) calibration.record.emplace_back(name, cleaned(flights.joint.at(name)));
-  }
-  find(flights, arguments, &calibration);
+  find(readMotions(arguments, &calibration), arguments, &calibration);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned = calibration.lossy || !calibration.warnings.empty() ||
+  const bool warned = calibration.lossy || !calibration.fit.warnings.empty() ||
                       std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
                                   [](const DisturbanceBound& one) { return !one.warnings.empty(); });
   return warned && arguments.strict ? kWarned : kCalibrated;
 }
 
-// What the fit found, into the calibration.
-void keep(MotionFit&& fit, MotionCalibration* calibration) {
-  calibration->parameters = std::move(fit.parameters);
-  calibration->traces = std::move(fit.traces);
-  calibration->warnings = std::move(fit.warnings);
-}
-
-// With the values of each flight.
-void keep(SeveralFit&& fit, MotionCalibration* calibration) {
-  calibration->flights = std::move(fit.flights);
-  keep(static_cast<MotionFit&&>(fit), calibration);
-}
-
-void bound(const MotionFlights& flights, const MotionArguments& arguments, MotionCalibration* calibration) {
-  const Motion motion = jointMotion(flights, arguments.motion);
+void bound(const std::vector<Motion>& flights, const MotionArguments& arguments,
+           MotionCalibration* calibration) {
+  const Motion motion = joined(flights);
   calibration->bounds = boundDisturbance(motion, arguments.motion, arguments.limits);
-  calibration->traces = disturbanceTraces(motion, arguments.motion);
-  calibration->warnings = checkMotion(motion);
+  calibration->fit.traces = disturbanceTraces(motion, arguments.motion);
+  calibration->fit.warnings = checkMotion(motion);
 }
 
-void findDrag(const MotionFlights& flights, const MotionArguments& arguments,
+void findDrag(const std::vector<Motion>& flights, const MotionArguments&, MotionCalibration* calibration) {
+  calibration->fit = fitDrag(flights);
+}
+
+void findMass(const std::vector<Motion>& flights, const MotionArguments& arguments,
               MotionCalibration* calibration) {
-  const Motion joint = jointMotion(flights, arguments.motion);
-  if (flights.several()) {
-    keep(fitDragOf(joint, motions(flights, arguments.motion)), calibration);
-  } else {
-    keep(fitDrag(joint), calibration);
-  }
-}
-
-void findMass(const MotionFlights& flights, const MotionArguments& arguments,
-              MotionCalibration* calibration) {
-  const Motion joint = jointMotion(flights, arguments.motion);
-  if (flights.several()) {
-    keep(fitMassOf(joint, motions(flights, arguments.motion), arguments.motion), calibration);
-  } else {
-    keep(fitMass(joint, arguments.motion), calibration);
-  }
-}
-
-void findThrust(const MotionFlights& flights, const MotionArguments& arguments,
-                MotionCalibration* calibration) {
-  ThrustFit fit = fitThrust({flights.each, flights.each_windows},
-                            {arguments.motion.mass, arguments.motion.gravity, arguments.degree});
-  calibration->curve = std::move(fit.curve);
-  calibration->flights = std::move(fit.flights);
-  keep(static_cast<MotionFit&&>(fit), calibration);
-}
-
-void findWind(const MotionFlights& flights, const MotionArguments&, MotionCalibration* calibration) {
-  if (flights.several()) throw Error("wind: takes one log: each flight has a wind of its own");
-  WindFit wind = fitWind(flights.joint, flights.windows);
-  calibration->north = std::move(wind.north);
-  calibration->east = std::move(wind.east);
-  keep(std::move(wind), calibration);
-}
-
-void findHeading(const MotionFlights& flights, const MotionArguments& arguments,
-                 MotionCalibration* calibration) {
-  if (flights.several())
-    throw Error("heading: takes one log: attitude and motion are aligned anew for each flight");
-  keep(fitHeading(jointMotion(flights, arguments.motion)), calibration);
+  calibration->fit = fitMass(flights, arguments.motion);
 }
 
 void declareMotion(CLI::App& command, MotionArguments& arguments) {
@@ -222,26 +118,6 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
   return command;
 }
 
-void addThrust(CLI::App& app, int* result) {
-  const auto thrust = std::make_shared<MotionArguments>();
-  thrust->battery = true;
-  CLI::App* command =
-      add(app, "thrust",
-          "Identify the curve from a thrust to the thrust command of an autopilot, a share from 0 to 1.",
-          result, findThrust, thrust);
-  command->add_option("--mass", thrust->motion.mass, "Mass of the vehicle as it flew [kg].")
-      ->check(numberAbove(0.0))
-      ->required();
-  command->add_option("--gravity", thrust->motion.gravity, "Gravitational acceleration [m/s^2].")
-      ->check(numberFrom(1.0, 30.0))
-      ->capture_default_str();
-  command
-      ->add_option("--degree", thrust->degree,
-                   "Degree of the polynomial, 1 to 3. 0: the greatest that the data tell from a lower one.")
-      ->check(wholeNumber(0, 3))
-      ->capture_default_str();
-}
-
 }  // namespace
 
 void addMotionCommands(CLI::App& app, int* result) {
@@ -269,17 +145,6 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMotion(*command, *mass);
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
-
-  addThrust(app, result);
-
-  const auto heading = std::make_shared<MotionArguments>();
-  command = add(app, "heading", "Identify the angle between the motion and the heading of the attitude.",
-                result, findHeading, heading);
-  declareMotion(*command, *heading);
-  declareMass(*command, *heading);
-
-  add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
-      std::make_shared<MotionArguments>());
 }
 
 }  // namespace polyfly

@@ -14,10 +14,10 @@
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
 #include "identification/flight_phases.hpp"
-#include "identification/several_motions.hpp"
 #include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -32,11 +32,6 @@ std::map<std::string, std::string> parseSignals(const std::vector<std::string>& 
     choice[text.substr(0, equals)] = text.substr(equals + 1);
   }
   return choice;
-}
-
-bool isBag(const std::string& path) {
-  constexpr std::size_t kEnding = 4;
-  return path.size() > kEnding && path.compare(path.size() - kEnding, kEnding, ".bag") == 0;
 }
 
 }  // namespace
@@ -72,9 +67,8 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
   command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
       ->type_name("FILE");
   command
-      .add_option(
-          "--vehicle", arguments.vehicle,
-          "Kind of the vehicle. The tool recognises it by log, airspeed or ground speed if not given.")
+      .add_option("--vehicle", arguments.vehicle,
+                  "Kind of the vehicle. Only logs of PX4 and ArduPilot tell it by themselves.")
       ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");
@@ -143,7 +137,7 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
     for (const std::string& remark : log.remarks) remarks->push_back(path + ": " + remark);
     return log.signals;
   }
-  if (!isBag(path)) {
+  if (!endsWith(path, ".bag")) {
     FlightSignals signals = signalsFromCsv(readCsv(path), choice);
     for (const std::string& remark : signals.remarks) remarks->push_back(path + ": " + remark);
     *provenance = provenanceOf(path);
@@ -154,7 +148,6 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
   options.choice = choice;
   options.topics = arguments.topics;
   options.name_space = arguments.name_space;
-  options.battery = arguments.battery;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
   if (!arguments.quiet) options.ask = promptIfTerminal();
   BagSignals bag = signalsFromBag(path, options);
@@ -172,9 +165,9 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks) {
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
-  if (!arguments.vehicle.empty()) signals.vehicle = {vehicleKindOf(arguments.vehicle), "As --vehicle says."};
+  if (!arguments.vehicle.empty()) signals.vehicle = {arguments.vehicle, "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
-  for (const std::string& remark : settleUnits(&signals, arguments.on_ground))
+  for (const std::string& remark : checkUnits(&signals, arguments.on_ground))
     remarks->push_back(path + ": " + remark);
   for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);
   const std::vector<RejectedWindow> found = findNonFlight(signals, arguments.on_ground);
@@ -230,20 +223,19 @@ std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<s
   return piecedTogether(std::move(flights), remarks);
 }
 
-RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights) {
-  RecognisedVehicle common;
+VehicleKind vehicleOf(const std::vector<ReadFlight>& flights) {
+  VehicleKind common;
   std::string first;
   for (const ReadFlight& flight : flights) {
-    const RecognisedVehicle own = recogniseVehicle(flight.signals);
-    if (own.kind == VehicleKind::kUnknown) continue;
-    if (common.kind == VehicleKind::kUnknown) {
-      common = own;
-      first = flight.signals.source;
-    } else if (own.kind != common.kind) {
-      throw Error(flight.signals.source + ": the vehicle is a " + nameOf(own.kind) + " (" + own.reason +
-                  ") and that of " + first + " a " + nameOf(common.kind) + " (" + common.reason +
+    const VehicleKind& own = flight.signals.vehicle;
+    if (!own.isKnown()) continue;
+    if (common.isKnown() && own.name != common.name) {
+      throw Error(flight.signals.source + ": the vehicle is a " + own.name + " (" + own.reason +
+                  ") and that of " + first + " a " + common.name + " (" + common.reason +
                   "); --vehicle states the kind");
     }
+    common = own;
+    first = flight.signals.source;
   }
   return common;
 }

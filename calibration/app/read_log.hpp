@@ -23,8 +23,6 @@ struct LogArguments {
   bool on_ground = false;
   bool strict = false;
   bool quiet = false;
-  /// True: the battery's voltage of a bag is wanted. Not an option.
-  bool battery = false;
 };
 
 void declareLog(CLI::App& command, LogArguments& arguments);
@@ -52,7 +50,7 @@ struct ReadFlight {
 std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks);
 
 /// Kind of the vehicle, as the flights that tell it agree. Throws Error where they differ.
-RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights);
+VehicleKind vehicleOf(const std::vector<ReadFlight>& flights);
 
 /// Before the work: throws Error where the result or its report cannot be written, or would take the place of
 /// one of the logs (empty names apart).

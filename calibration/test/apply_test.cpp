@@ -320,9 +320,10 @@ TEST(ApplyCalibration, refusesWhatDoesNotFitByFileFieldAndRule) {
   EXPECT_EQ(errorOf("- 1\n", kAttitude), "problem.yaml: must be a map");
   EXPECT_EQ(errorOf(problemText(1), "kind: attitude\n"),
             "calibration.yaml:1: polyfly_calibration: must be 1, as `calibrate` writes it");
-  EXPECT_EQ(errorOf(problemText(1), "polyfly_calibration: 1\nkind: roll\n"),
-            "calibration.yaml:2: kind: must be attitude, drag, disturbance, mass, thrust, heading or wind, "
-            "got 'roll'");
+  EXPECT_EQ(
+      errorOf(problemText(1), "polyfly_calibration: 1\nkind: roll\n"),
+      "calibration.yaml:2: kind: must be attitude, drag, disturbance or mass, got 'roll'; thrust, heading "
+      "and wind are written by hand, see calibration/README.md");
   EXPECT_EQ(errorOf(problemText(2), kAttitude),
             "calibration.yaml: kind attitude: has nothing for the problem problem.yaml");
   const std::string place = "calibration.yaml:11: axes.roll.model_without_delay.";

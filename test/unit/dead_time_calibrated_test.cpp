@@ -65,7 +65,7 @@ std::pair<Found, Found> calibrated(double delay) {
     plant.advance(command, kPeriod);
   }
   const AxisModel roll = identifyAxis(axisRecords(log, "roll"), {});
-  const double drag = numberOf(fitDrag(motionOf(log, {})).parameters, "drag_left");
+  const double drag = numberOf(fitDrag({motionOf(log, {})}).parameters, "drag_left");
   const auto found = [&](const char* name, bool apart) {
     const auto& parameters = roll.findModel(name)->fit.parameters;
     return Found{numberOf(parameters, "gain"), numberOf(parameters, "tau"),

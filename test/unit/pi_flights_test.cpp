@@ -99,7 +99,7 @@ Model identifiedModel() {
   const ControllerModel* model = roll.findModel("model_without_delay");
   EXPECT_TRUE(model != nullptr && model->supported());
   return {valueOf(model->fit.parameters, "gain"), valueOf(model->fit.parameters, "tau"),
-          valueOf(fitDrag(motionOf(log, {})).parameters, "drag_left")};
+          valueOf(fitDrag({motionOf(log, {})}).parameters, "drag_left")};
 }
 
 struct Case {

@@ -68,8 +68,7 @@ constexpr Place kPx4[] = {{"roll_cmd", "vehicle_attitude_setpoint", "roll_body"}
                           {"airspeed", "airspeed_validated", "true_airspeed_m_s"},
                           {"vn", "vehicle_global_position", "vel_n"},
                           {"ve", "vehicle_global_position", "vel_e"},
-                          {"airspeed", "airspeed", "true_airspeed_m_s"},
-                          {"voltage", "battery_status", "voltage_v"}};
+                          {"airspeed", "airspeed", "true_airspeed_m_s"}};
 
 constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"roll_cmd", "ATT", "RollIn", kDegrees},
@@ -81,9 +80,9 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"pitch", "ATT", "Pitch", -kDegrees},
                                 {"yaw", "ATT", "Yaw", -kDegrees, 0.5 * kPi},
                                 {"yaw_rate_cmd", "RATE", "YDes", -kDegrees},
-                                {"yaw_rate_cmd", "RATE", "YawDes", -kDegrees},
+                                {"yaw_rate_cmd", "RATE", "YawDes", -0.01 * kDegrees},
                                 {"yaw_rate", "RATE", "Y", -kDegrees},
-                                {"yaw_rate", "RATE", "Yaw", -kDegrees},
+                                {"yaw_rate", "RATE", "Yaw", -0.01 * kDegrees},
                                 {"thrust_cmd", "CTUN", "ThO"},
                                 {"thrust_cmd", "CTUN", "ThrOut"},
                                 {"specific_force_z", "IMU", "AccZ", -1.0},
@@ -118,9 +117,7 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"ve", "EKF1", "VE"},
                                 {"ve", "GPS", "Spd", 1.0, 0.0, Place::Angle::kEast},
                                 {"airspeed", "ARSP", "Airspeed"},
-                                {"airspeed", "NTUN", "Arspd"},
-                                {"voltage", "BAT", "Volt"},
-                                {"voltage", "CURR", "Volt"}};
+                                {"airspeed", "NTUN", "Arspd"}};
 
 double angleOf(double w, double x, double y, double z, Place::Angle angle) {
   switch (angle) {
@@ -186,28 +183,12 @@ struct Choice {
 };
 
 Choice parseChoice(const std::string& path, const std::string& signal, const std::string& text) {
-  Choice choice{signal, text, "", "", 1.0};
-  std::string rest = text;
-  if (!rest.empty() && rest.front() == '-') {
-    choice.scale = -1.0;
-    rest.erase(0, 1);
-  }
-  const std::size_t colon = rest.find(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == rest.size()) {
+  const ChosenPlace chosen = chosenPlace(signal, text);
+  const std::size_t colon = chosen.place.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == chosen.place.size()) {
     throw Error(path + ": --signal " + signal + "=" + text + ": must be TABLE:FIELD");
   }
-  choice.table = rest.substr(0, colon);
-  choice.field = rest.substr(colon + 1);
-  const std::size_t unit = choice.field.find(":deg");
-  if (unit != std::string::npos && unit + 4 == choice.field.size()) {
-    choice.field.resize(unit);
-    choice.scale *= kDegrees;
-  }
-  const auto& names = signalNames();
-  if (std::find(names.begin(), names.end(), signal) == names.end()) {
-    throw Error(path + ": --signal " + signal + ": is no signal of identification");
-  }
-  return choice;
+  return {signal, text, chosen.place.substr(0, colon), chosen.place.substr(colon + 1), chosen.factor()};
 }
 
 // The name of a table without its instance.
@@ -236,6 +217,29 @@ void addChoice(const Choice& choice, const AutopilotLog& log, FlightSignals* sig
     series.value.push_back(choice.scale * value);
   signals->series[choice.signal] = std::move(series);
   signals->origin[choice.signal] = choice.text;
+}
+
+double rootMeanSquare(const TimeSeries& series) {
+  double squares = 0.0;
+  for (const double value : series.value) squares += std::isfinite(value) ? value * value : 0.0;
+  return series.value.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(series.value.size()));
+}
+
+// ArduCopter before 3.4 wrote RATE in hundredths of degrees per second under the same names. The gyro tells which.
+void settleRate(AutopilotSignals* result) {
+  FlightSignals* signals = &result->signals;
+  constexpr double kHundredth = 0.01;
+  constexpr double kBetween = 10.0;
+  for (const char* name : {"yaw_rate", "gyro_z"}) {
+    if (!signals->has(name)) return;
+  }
+  if (signals->origin.at("yaw_rate") != "RATE:Y") return;
+  if (!(rootMeanSquare(signals->at("yaw_rate")) > kBetween * rootMeanSquare(signals->at("gyro_z")))) return;
+  for (const char* name : {"yaw_rate", "yaw_rate_cmd"}) {
+    if (!signals->has(name) || signals->origin.at(name).rfind("RATE:Y", 0) != 0) continue;
+    for (double& value : signals->series.at(name).value) value *= kHundredth;
+  }
+  result->remarks.emplace_back("RATE is in hundredths of degrees per second, by the gyro");
 }
 
 bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
@@ -329,6 +333,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
   result.signals.vehicle = loggedVehicle(log);
   for (const Choice& one : choices) addChoice(one, log, &result.signals);
   for (const Place& place : places) addSeries(place, log, &result.signals);
+  settleRate(&result);
   const bool chosen = choice.count("thrust_cmd") > 0;
   result.signals.thrust_is_share = result.signals.has("thrust_cmd") && !chosen;
   for (auto& [name, series] : result.signals.series) {

@@ -11,16 +11,16 @@ namespace {
 struct StatusValue {
   const char* field;
   double value;
-  VehicleKind kind;
+  const char* kind;
 };
 
 // vehicle_type since PX4 1.10, is_rotary_wing before.
-constexpr StatusValue kStatusValues[] = {{"vehicle_type", 1.0, VehicleKind::kMultirotor},
-                                         {"vehicle_type", 2.0, VehicleKind::kFixedWing},
-                                         {"is_rotary_wing", 1.0, VehicleKind::kMultirotor},
-                                         {"is_rotary_wing", 0.0, VehicleKind::kFixedWing}};
+constexpr StatusValue kStatusValues[] = {{"vehicle_type", 1.0, "multirotor"},
+                                         {"vehicle_type", 2.0, "fixed_wing"},
+                                         {"is_rotary_wing", 1.0, "multirotor"},
+                                         {"is_rotary_wing", 0.0, "fixed_wing"}};
 
-RecognisedVehicle ofStatus(const LogTable& table) {
+VehicleKind ofStatus(const LogTable& table) {
   for (const StatusValue& status : kStatusValues) {
     const auto column = table.column.find(status.field);
     if (column == table.column.end() || column->second.empty()) continue;
@@ -33,26 +33,25 @@ RecognisedVehicle ofStatus(const LogTable& table) {
 }
 
 // Messages that one of ArduPilot's vehicles writes and the others do not.
-RecognisedVehicle ofMessages(const AutopilotLog& log) {
+VehicleKind ofMessages(const AutopilotLog& log) {
   const auto has = [&log](const char* name) {
     const auto found = log.counts.find(name);
     return found != log.counts.end() && found->second > 0;
   };
   if (has("QTUN")) return {};  // a plane with lift rotors
   for (const char* name : {"TECS", "AETR"}) {
-    if (has(name))
-      return {VehicleKind::kFixedWing, std::string("The log has ") + name + ", which ArduPlane writes."};
+    if (has(name)) return {"fixed_wing", std::string("The log has ") + name + ", which ArduPlane writes."};
   }
-  if (has("MOTB")) return {VehicleKind::kMultirotor, "The log has MOTB, which ArduCopter writes."};
+  if (has("MOTB")) return {"multirotor", "The log has MOTB, which ArduCopter writes."};
   return {};
 }
 
 }  // namespace
 
-RecognisedVehicle loggedVehicle(const AutopilotLog& log) {
+VehicleKind loggedVehicle(const AutopilotLog& log) {
   if (log.kind == AutopilotLog::Kind::kDataflash) return ofMessages(log);
   const auto status = log.tables.find(kVehicleTable);
-  return status == log.tables.end() ? RecognisedVehicle{} : ofStatus(status->second);
+  return status == log.tables.end() ? VehicleKind{} : ofStatus(status->second);
 }
 
 }  // namespace polyfly

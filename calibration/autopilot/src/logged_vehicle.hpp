@@ -10,6 +10,6 @@ constexpr const char* kVehicleTable = "vehicle_status";
 
 /// The kind of vehicle as the autopilot logged it: unknown where it did not, or where it changed in flight
 /// (a vehicle that takes off vertically).
-RecognisedVehicle loggedVehicle(const AutopilotLog& log);
+VehicleKind loggedVehicle(const AutopilotLog& log);
 
 }  // namespace polyfly

@@ -27,14 +27,12 @@ TEST_F(LoggedVehicle, px4NamesItsKindOfVehicleInItsStatus) {
   struct Case {
     std::string field;
     std::vector<std::uint8_t> values;
-    VehicleKind kind;
+    std::string kind;
   };
-  for (const Case& one : {Case{"vehicle_type", {1, 1}, VehicleKind::kMultirotor},
-                          Case{"vehicle_type", {2, 2}, VehicleKind::kFixedWing},
-                          Case{"vehicle_type", {1, 2}, VehicleKind::kUnknown},
-                          Case{"is_rotary_wing", {1, 1}, VehicleKind::kMultirotor},
-                          Case{"is_rotary_wing", {0, 0}, VehicleKind::kFixedWing},
-                          Case{"armed", {1, 1}, VehicleKind::kUnknown}}) {
+  for (const Case& one :
+       {Case{"vehicle_type", {1, 1}, "multirotor"}, Case{"vehicle_type", {2, 2}, "fixed_wing"},
+        Case{"vehicle_type", {1, 2}, "unknown"}, Case{"is_rotary_wing", {1, 1}, "multirotor"},
+        Case{"is_rotary_wing", {0, 0}, "fixed_wing"}, Case{"armed", {1, 1}, "unknown"}}) {
     MadeULog log;
     log.flags(0);
     log.format("vehicle_attitude:uint64_t timestamp;float[4] q;");
@@ -51,16 +49,13 @@ TEST_F(LoggedVehicle, px4NamesItsKindOfVehicleInItsStatus) {
       log.data(2, row);
     }
     writeBytes(log.bytes, path_);
-    EXPECT_EQ(signalsFromAutopilot(path_, {}).signals.vehicle.kind, one.kind) << one.field;
+    EXPECT_EQ(signalsFromAutopilot(path_, {}).signals.vehicle.name, one.kind) << one.field;
   }
 }
 
 TEST_F(LoggedVehicle, arduPilotTellsItsKindOfVehicleByItsMessages) {
-  for (const auto& [name, kind] :
-       std::vector<std::pair<std::string, VehicleKind>>{{"TECS", VehicleKind::kFixedWing},
-                                                        {"AETR", VehicleKind::kFixedWing},
-                                                        {"MOTB", VehicleKind::kMultirotor},
-                                                        {"BARO", VehicleKind::kUnknown}}) {
+  for (const auto& [name, kind] : std::vector<std::pair<std::string, std::string>>{
+           {"TECS", "fixed_wing"}, {"AETR", "fixed_wing"}, {"MOTB", "multirotor"}, {"BARO", "unknown"}}) {
     MadeDataflash log = madeArduPilotFlight(1.0, 0.2);
     log.format(11, name, "Qf", "TimeUS,A", 3 + 8 + 4);
     std::vector<std::uint8_t> row;
@@ -68,7 +63,7 @@ TEST_F(LoggedVehicle, arduPilotTellsItsKindOfVehicleByItsMessages) {
     put(1.0F, &row);
     log.row(11, row);
     writeBytes(log.bytes, path_);
-    EXPECT_EQ(signalsFromAutopilot(path_, {}).signals.vehicle.kind, kind) << name;
+    EXPECT_EQ(signalsFromAutopilot(path_, {}).signals.vehicle.name, kind) << name;
   }
 }
 

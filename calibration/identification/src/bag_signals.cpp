@@ -8,6 +8,7 @@
 #include "bags/recording_share.hpp"
 #include "clock_choice.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "topic_signals.hpp"
 
 namespace polyfly {
@@ -84,8 +85,6 @@ const std::vector<KnownType>& knownTypes() {
        "velocity_local",
        1,
        {{"vx", "twist.linear.x"}, {"vy", "twist.linear.y"}, {"vz", "twist.linear.z"}}},
-      {"sensor_msgs/BatteryState", "", 0, {{"voltage", "voltage"}}},
-      {"mavros_msgs/BatteryStatus", "", 1, {{"voltage", "voltage"}}},
   };
   return kTypes;
 }
@@ -101,8 +100,6 @@ bool isKnown(const KnownType& known, const BagConnection& connection) {
 }
 
 constexpr int kTruthRank = 10;  // added to that of the type
-constexpr const char* kBatterySignal = "voltage";
-constexpr double kRadianOfDegree = 3.14159265358979323846 / 180.0;
 // Times by which two records of one message may differ [s].
 constexpr double kSameMessage = 0.1;
 
@@ -122,11 +119,6 @@ bool isRepeated(const std::map<std::string, TimeSeries>& one,
   return changes;
 }
 
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 // `topic:path` and its last part, if that is an angle.
 struct Choice {
   std::string topic;
@@ -134,16 +126,13 @@ struct Choice {
 };
 
 Choice parseChoice(const std::string& signal, const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) {
+  const ChosenPlace chosen = chosenPlace(signal, text);
+  const std::string& place = chosen.place;
+  const std::size_t colon = place.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == place.size()) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
-  Choice choice = {text.substr(0, colon), {signal, text.substr(colon + 1), Angle::kNone}};
-  const std::string degrees = ":deg";
-  if (endsWith(choice.use.path, degrees)) {
-    choice.use.path.resize(choice.use.path.size() - degrees.size());
-    choice.use.scale = kRadianOfDegree;
-  }
+  Choice choice = {place.substr(0, colon), {signal, place.substr(colon + 1), Angle::kNone, chosen.factor()}};
   const std::pair<const char*, Angle> angles[] = {
       {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
   for (const auto& [ending, angle] : angles) {
@@ -166,9 +155,6 @@ class Collector {
   Collector(const std::string& path, const BagSignalOptions& options)
       : path_(path), options_(options), prefix_(prefixOf(options.name_space)) {
     for (const auto& [signal, text] : options.choice) {
-      if (std::find(signalNames().begin(), signalNames().end(), signal) == signalNames().end()) {
-        throw Error("--signal " + signal + ": is no signal");
-      }
       choices_.push_back(parseChoice(signal, text));
       // As in validate_bag: a name without a leading slash is one of the namespace.
       std::string& topic = choices_.back().topic;
@@ -252,7 +238,6 @@ class Collector {
     if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
     for (const KnownType& known : knownTypes()) {
       if (!isHeard(connection.topic) || !isKnown(known, connection)) continue;
-      if (!options_.battery && known.uses.front().signal == kBatterySignal) continue;
       std::vector<FieldUse> uses;
       for (const FieldUse& use : known.uses) {
         if (!isChosen(use.signal)) uses.push_back(use);

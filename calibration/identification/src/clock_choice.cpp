@@ -1,9 +1,9 @@
 #include "clock_choice.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "sentence.hpp"
 
 namespace polyfly {
 
@@ -28,12 +28,9 @@ std::string ClockChoice::clauseOn(const HeaderClock& clock) const {
            "usable stamps";
   std::string clause = "the times of the recorder are used";
   if (greatest_lead_ > 0.0 && greatest_lead_ <= kLeastClockStep) {
-    std::array<char, 160> text{};
-    std::snprintf(
-        text.data(), text.size(),
+    clause += sentence(
         "; other messages reached it up to %.3g s after their stamps, and a delay may be off by as much",
         greatest_lead_);
-    clause += text.data();
   }
   return clause;
 }

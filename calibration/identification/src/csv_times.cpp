@@ -1,10 +1,7 @@
 #include "csv_times.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
-#include "identification/loop_record.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -12,54 +9,37 @@ namespace {
 
 struct TimeUnit {
   const char* ending;
-  const char* name;
   double seconds;
 };
-constexpr TimeUnit kTimeUnits[] = {{"s", "seconds", 1.0},
-                                   {"ms", "milliseconds", 1e-3},
-                                   {"us", "microseconds", 1e-6},
-                                   {"ns", "nanoseconds", 1e-9}};
+constexpr TimeUnit kTimeUnits[] = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
 constexpr const char* kTimeStems[] = {"t", "time", "timestamp", "stamp"};
-// Time between the rows of a usual flight log [s].
-constexpr double kUsualPeriod = 0.02;
 constexpr double kNanosecond = 1e-9;  // [s]
+
+const TimeUnit* timeUnit(const std::string& ending) {
+  for (const TimeUnit& unit : kTimeUnits) {
+    if (ending == unit.ending) return &unit;
+  }
+  return nullptr;
+}
 
 // The unit at the end of the name, or none.
 const TimeUnit* namedUnit(const std::string& column) {
   const std::size_t underscore = column.rfind('_');
   if (underscore == std::string::npos) return nullptr;
-  for (const TimeUnit& unit : kTimeUnits) {
-    if (column.compare(underscore + 1, std::string::npos, unit.ending) == 0) return &unit;
-  }
-  return nullptr;
+  return timeUnit(column.substr(underscore + 1));
 }
 
-const TimeUnit* likelyUnit(double period) {
-  const TimeUnit* best = std::begin(kTimeUnits);
-  if (!(period > 0.0)) return best;
-  const auto distance = [period](const TimeUnit& unit) {
-    return std::abs(std::log(period * unit.seconds / kUsualPeriod));
-  };
-  for (const TimeUnit& unit : kTimeUnits) {
-    if (distance(unit) < distance(*best)) best = &unit;
-  }
-  return best;
-}
-
-CsvTimes ofColumn(const CsvLog& log, const std::string& column) {
+// A column, or `COLUMN:UNIT`.
+CsvTimes ofColumn(const CsvLog& log, const std::string& choice) {
+  const std::size_t colon = choice.rfind(':');
+  const std::string column = choice.substr(0, colon);
   CsvTimes times;
-  times.origin = column;
+  times.origin = choice;
   times.seconds = log.column(column);
-  const TimeUnit* unit = namedUnit(column);
-  if (unit == nullptr) {
-    const TimeSeries clean = cleaned({times.seconds, times.seconds});
-    const double period = typicalPeriod(clean);
-    unit = likelyUnit(period);
-    char text[160];
-    std::snprintf(text, sizeof text, " are taken as %s: %.6g between rows", unit->name, period);
-    times.remark = "the times of column " + column + text;
-  }
-  for (double& time : times.seconds) time *= unit->seconds;
+  const TimeUnit* unit = colon == std::string::npos ? namedUnit(column) : timeUnit(choice.substr(colon + 1));
+  if (colon != std::string::npos && unit == nullptr)
+    throw Error("--signal time=" + choice + ": its unit must be s, ms, us or ns");
+  for (double& time : times.seconds) time *= unit == nullptr ? 1.0 : unit->seconds;
   return times;
 }
 
@@ -93,7 +73,7 @@ CsvTimes timesOf(const CsvLog& log, const std::map<std::string, std::string>& ch
   std::string known;
   for (const std::string& name : log.names) known += (known.empty() ? "" : ", ") + name;
   throw Error(log.path + ": no column t_s; there are " + known +
-              "; name the times with --signal time=COLUMN, or time=SECONDS,NANOSECONDS");
+              "; name the times with --signal time=COLUMN, time=COLUMN:ms, or time=SECONDS,NANOSECONDS");
 }
 
 CsvTimes commandTimesOf(const CsvLog& log, const std::map<std::string, std::string>& choice) {

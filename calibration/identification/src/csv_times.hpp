@@ -13,13 +13,11 @@ struct CsvTimes {
   std::vector<double> seconds;
   /// Column, or columns of seconds and nanoseconds.
   std::string origin;
-  /// A sentence if the unit had to be found from the values. Empty otherwise.
-  std::string remark;
 };
 
-/// From the column that `choice` binds to time (`COLUMN`, or `SECONDS,NANOSECONDS`), or else from one that is
-/// called t, time, timestamp or stamp. An ending _s, _ms, _us or _ns is the unit. Without one, the unit is
-/// that with which the rows come nearest to the rate of a flight log. Throws Error naming file and columns.
+/// From the column that `choice` binds to time (`COLUMN`, `COLUMN:UNIT` or `SECONDS,NANOSECONDS`), or else
+/// from one that is called t, time, timestamp or stamp. An ending _s, _ms, _us or _ns is the unit; without one they are
+/// seconds. Throws Error naming file and columns.
 CsvTimes timesOf(const CsvLog& log, const std::map<std::string, std::string>& choice);
 
 /// Times of the commands, where they have some of their own (`cmd_time` in the choice, or `cmd_t_s`); empty

@@ -1,21 +1,13 @@
 #include "diagnose.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <map>
 
 #include "polyfly_base/error.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
-// Greatest standard error of the time constant, relative to its value.
-constexpr double kVagueTau = 0.25;
-// Greatest standard error of the gain, relative to its value.
-constexpr double kVagueGain = 0.08;
-// Correlation above which two parameters cannot be told apart.
-constexpr double kInseparable = 0.97;
 // Least gain of an angle loop whose command and response have one scale.
 constexpr double kLeastGain = 0.7;
 constexpr double kGreatestGain = 1.4;
@@ -33,31 +25,14 @@ constexpr double kLeadGain = 0.5;
 constexpr double kLongDelay = 0.45;  // [s]
 // Greatest lead that is searched for [s].
 constexpr double kClockBound = 0.5;
-constexpr double kManyOutliers = 0.3;
 // Share of the samples that may be left out without a warning.
 constexpr double kManyLeftOut = 0.02;
-// Share of the greatest predicted response above which saturation shows.
-constexpr double kGreatPart = 0.7;
-// Share by which the response stays behind where the loop saturates.
-constexpr double kSaturatedShare = 0.1;
-// Share of the samples at an extreme above which the command counts as clipped.
-constexpr double kClippedShare = 0.05;
-// Share of the command's range within which two levels are one.
-constexpr double kRestShare = 0.02;
-// Number of levels from which on a command counts as continuous.
-constexpr std::size_t kContinuous = 50;
 // Share of the time with a moving command in which the response must follow.
 constexpr double kFollowedShare = 0.85;
 // Correlation above which a signal follows a command.
 constexpr double kFollows = 0.7;
 // Factor by which the correlation of another axis must exceed the own correlation.
 constexpr double kFrameFactor = 1.3;
-
-std::string text(const char* format, double one, double other = 0.0, double third = 0.0) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, format, one, other, third);
-  return buffer;
-}
 
 class Diagnosis {
  public:
@@ -69,8 +44,6 @@ class Diagnosis {
     scale();
     frame();
     clock();
-    excitation();
-    saturation();
     quality();
     following();
     return warnings_;
@@ -96,9 +69,9 @@ class Diagnosis {
       return size > value / kDegreeMargin && size < value * kDegreeMargin;
     };
     if (near(kDegree) || near(1.0 / kDegree)) {
-      say(text("The gain is %.4g: one of command and response is in degrees.", size));
+      say(sentence("The gain is %.4g: one of command and response is in degrees.", size));
     } else {
-      say(text(
+      say(sentence(
           "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
           "different scales, or the command is not that of this loop.",
           size));
@@ -123,21 +96,21 @@ class Diagnosis {
     if (records_.other_command && !records_.other_command->time.empty()) {
       const double other = correlationOf(*records_.other_command, nullptr);
       if (other > kFrameFactor * own) {
-        say(
-            text("The response follows the command of the other axis (correlation %.2f) more than its own "
-                 "(%.2f): the "
-                 "axes are swapped, or the frame is turned by the yaw angle.",
-                 other, own));
+        say(sentence(
+            "The response follows the command of the other axis (correlation %.2f) more than its own "
+            "(%.2f): the "
+            "axes are swapped, or the frame is turned by the yaw angle.",
+            other, own));
       }
     }
     if (records_.vertical_velocity && !records_.vertical_velocity->time.empty()) {
       const double rate = correlationOf(model_.record.command, &*records_.vertical_velocity);
       if (rate > kFrameFactor * own && rate > kFollows) {
-        say(
-            text("The vertical velocity follows the command (correlation %.2f) more than the acceleration "
-                 "(%.2f): it is a "
-                 "command of climb rate, not of thrust.",
-                 rate, own));
+        say(sentence(
+            "The vertical velocity follows the command (correlation %.2f) more than the acceleration "
+            "(%.2f): it is a "
+            "command of climb rate, not of thrust.",
+            rate, own));
       }
     }
   }
@@ -145,140 +118,28 @@ class Diagnosis {
   void clock() {
     const double delay = model_.with_delay.shape.delay;
     if (delay > kLongDelay || delay > 0.98 * bounds_.delay_greatest) {
-      say(text(
+      say(sentence(
           "The delay of %.2f s is longer than a loop's own: the clocks of command and response may disagree.",
           delay));
     }
     if (model_.lead > 0.0) say(leadSentence(model_.lead));
   }
 
-  void excitation() {
-    const LoopFit& fit = model_.with_delay;
-    const FittedParameter* tau = fit.find("tau");
-    const FittedParameter* gain = fit.find("gain");
-    if (!(tau->standard_error <= kVagueTau * tau->value)) {
-      say(
-          text("Too little excitation for the time constant: %.3f s with a standard error of %.3f s. Fly "
-               "quicker steps "
-               "(2-1-1 manoeuvres).",
-               tau->value, tau->standard_error));
-    }
-    if (!(gain->standard_error <= kVagueGain * std::abs(gain->value))) {
-      say(text(
-          "Too little excitation for the gain: %.3f with a standard error of %.3f. Fly longer, with greater "
-          "amplitudes.",
-          gain->value, gain->standard_error));
-    }
-    const auto count = static_cast<Eigen::Index>(fit.parameters.size());
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index j = 0; j < i; ++j) {
-        if (std::abs(fit.correlation(i, j)) <= kInseparable) continue;
-        say(fit.parameters[static_cast<std::size_t>(j)].name + " and " +
-            fit.parameters[static_cast<std::size_t>(i)].name +
-            text(" cannot be told apart with these data (correlation %.3f): only together they fit.",
-                 fit.correlation(i, j)));
-      }
-    }
-    if (tau->value < 1.05 * bounds_.tau_least || tau->value > 0.95 * bounds_.tau_greatest) {
-      say(
-          text("The time constant lies at the end of what was searched (%.3f s): a first-order model does "
-               "not describe "
-               "this loop.",
-               tau->value));
-    }
-  }
-
-  void saturation() {
-    commandClipped();
-    // Where the model's response is great: does the measured one stay behind?
-    double greatest = 0.0;
-    const LoopFit& fit = model_.with_delay;
-    for (const auto& part : fit.prediction) {
-      for (const double value : part) greatest = std::max(greatest, std::abs(value - fit.offset));
-    }
-    double behind = 0.0;
-    double size = 0.0;
-    for (std::size_t i = 0; i < fit.prediction.size(); ++i) {
-      for (std::size_t k = 0; k < fit.prediction[i].size(); ++k) {
-        const double predicted = fit.prediction[i][k] - fit.offset;
-        if (std::abs(predicted) < kGreatPart * greatest) continue;
-        behind += std::copysign(1.0, predicted) * (fit.prediction[i][k] - model_.segments[i].response[k]);
-        size += std::abs(predicted);
-      }
-    }
-    if (size > 0.0 && behind > kSaturatedShare * size) {
-      say(
-          text("At great commands the response stays %.0f %% behind what the model of all data says: the "
-               "loop saturates "
-               "there.",
-               100.0 * behind / size));
-    }
-  }
-
-  bool isUsed(double time) const {
-    return std::any_of(model_.segments.begin(), model_.segments.end(), [time](const LoopSegment& segment) {
-      return segment.time.front() <= time && time <= segment.time.back();
-    });
-  }
-
-  // A continuous command that is often exactly at its extreme has been cut off there, unless it rests there.
-  void commandClipped() {
-    std::map<double, std::size_t> used;
-    std::map<double, std::size_t> all;
-    std::size_t samples = 0;
-    const TimeSeries& command = model_.record.command;
-    for (std::size_t i = 0; i < command.time.size(); ++i) {
-      ++all[command.value[i]];
-      if (!isUsed(command.time[i])) continue;
-      ++used[command.value[i]];
-      ++samples;
-    }
-    if (used.size() < kContinuous) return;
-    const auto rest = std::max_element(
-        all.begin(), all.end(), [](const auto& one, const auto& other) { return one.second < other.second; });
-    const double near = kRestShare * (all.rbegin()->first - all.begin()->first);
-    const auto isLimit = [&](double level, double extreme) {
-      // Zero is the middle of every command but that of thrust.
-      const bool middle = !isThrust() && std::abs(level) <= near;
-      const bool passed = std::abs(extreme - level) > near;
-      const bool rests = rest->first == level && level != all.begin()->first && level != all.rbegin()->first;
-      return !middle && !passed && !rests;
-    };
-    for (const auto& [end, extreme] : {std::make_pair(*used.begin(), all.begin()->first),
-                                       std::make_pair(*used.rbegin(), all.rbegin()->first)}) {
-      const double share = static_cast<double>(end.second) / static_cast<double>(samples);
-      if (share <= kClippedShare || !isLimit(end.first, extreme)) continue;
-      say(text("The command is at its limit (%.3g) in %.0f %% of the samples.", end.first, 100.0 * share));
-    }
-  }
-
   void quality() {
-    const LoopFit& fit = model_.with_delay;
-    if (fit.fit_percent < kLeastFit) {
-      say(text("The model explains little of the response (fit %.1f %%): do not rely on these numbers.",
-               fit.fit_percent));
-    }
     if (model_.validation &&
         model_.validation->validation_percent < model_.validation->training_percent - kDropFit) {
-      say(text("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
-               model_.validation->training_percent, model_.validation->validation_percent));
-    }
-    if (fit.outlier_share > kManyOutliers) {
-      say(
-          text("%.0f %% of the samples lie outside of what the residuals' middle half suggests: outliers, or "
-               "a model that "
-               "does not fit.",
-               100.0 * fit.outlier_share));
+      say(sentence("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
+                   model_.validation->training_percent, model_.validation->validation_percent));
     }
     const auto total =
         static_cast<double>(model_.record.response.time.size() + model_.record.command.time.size());
     const auto left_out = static_cast<double>(model_.cleaning.not_finite + model_.cleaning.out_of_order);
     if (left_out > kManyLeftOut * total) {
-      say(
-          text("%.0f samples were left out because they are not finite, and %.0f because their time does not "
-               "increase.",
-               static_cast<double>(model_.cleaning.not_finite),
-               static_cast<double>(model_.cleaning.out_of_order)));
+      say(sentence(
+          "%.0f samples were left out because they are not finite, and %.0f because their time does not "
+          "increase.",
+          static_cast<double>(model_.cleaning.not_finite),
+          static_cast<double>(model_.cleaning.out_of_order)));
     }
   }
 
@@ -287,11 +148,11 @@ class Diagnosis {
     const double used = model_.usedTime();
     const double moving = model_.movingTime();
     if (used < kFollowedShare * moving) {
-      say(
-          text("The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
-               "is not "
-               "that of this loop.",
-               used, moving));
+      say(sentence(
+          "The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
+          "is not "
+          "that of this loop.",
+          used, moving));
     }
   }
 
@@ -313,7 +174,7 @@ double leadOf(const LoopFit& with_delay, const std::vector<LoopSegment>& segment
 }
 
 std::string leadSentence(double lead) {
-  return text(
+  return sentence(
       "The response comes %.3f s before its command: the clocks of the two disagree, or the command was "
       "logged late.",
       lead);

@@ -1,15 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "identification/motion.hpp"
 #include "regression.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
 const char* const kAxes[] = {"x", "y", "z"};
-constexpr double kShares[] = {0.0, 0.005, 0.025, 0.25, 0.5, 0.75, 0.975, 0.995, 1.0};
 // Number of parts of the record that are compared with each other.
 constexpr Eigen::Index kParts = 4;
 // Number of standard errors by which means may differ.
@@ -53,12 +52,6 @@ double sortedQuantile(const std::vector<double>& sorted, double share) {
   return sorted[below] + (place - std::floor(place)) * (sorted[above] - sorted[below]);
 }
 
-std::string disturbanceText(const char* format, double one, double other) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, one, other);
-  return buffer;
-}
-
 // Quarters against each other; how much their means may differ follows from what moves within them.
 void checkStationarity(const Eigen::VectorXd& residual, DisturbanceBound* bound) {
   const Eigen::Index size = residual.size() / kParts;
@@ -77,13 +70,13 @@ void checkStationarity(const Eigen::VectorXd& residual, DisturbanceBound* bound)
   const double independent = independentSamples(within, starts) / static_cast<double>(kParts);
   const double error = deviations.mean() / std::sqrt(std::max(1.0, independent));
   if (means.maxCoeff() - means.minCoeff() > 2.0 * kSignificant * error) {
-    bound->warnings.push_back(disturbanceText(
-        "The mean wanders between %.3g and %.3g m/s^2 from quarter to quarter: the bound is that of "
-        "this flight only.",
-        means.minCoeff(), means.maxCoeff()));
+    bound->warnings.push_back(
+        sentence("The mean wanders between %.3g and %.3g m/s^2 from quarter to quarter: the bound is that of "
+                 "this flight only.",
+                 means.minCoeff(), means.maxCoeff()));
   }
   if (deviations.maxCoeff() > kRestless * deviations.minCoeff()) {
-    bound->warnings.push_back(disturbanceText(
+    bound->warnings.push_back(sentence(
         "The deviation lies between %.3g and %.3g m/s^2 from quarter to quarter: calm and rough times "
         "are mixed.",
         deviations.minCoeff(), deviations.maxCoeff()));
@@ -107,7 +100,6 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
     bound.independent_samples = independentSamples(residual, starts);
     std::vector<double> sorted(residual.data(), residual.data() + residual.size());
     std::sort(sorted.begin(), sorted.end());
-    for (const double share : kShares) bound.quantiles.emplace_back(share, sortedQuantile(sorted, share));
     // Both sides must hold.
     const double outside = 0.5 * (1.0 - limits.share);
     const auto [beyond, reached] =
@@ -118,16 +110,16 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
     bound.confidence = std::max(0.0, 1.0 - 2.0 * (1.0 - reached));
     if (bound.confidence < limits.confidence) {
       bound.warnings.push_back(
-          disturbanceText("The record tells as much as %.0f independent samples: the extremes hold with a "
-                          "confidence of %.2g only. Fly longer.",
-                          bound.independent_samples, bound.confidence));
+          sentence("The record tells as much as %.0f independent samples: the extremes hold with a "
+                   "confidence of %.2g only. Fly longer.",
+                   bound.independent_samples, bound.confidence));
     }
     const bool absurd = std::max(-bound.least, bound.greatest) > kAbsurdBound;
     if (absurd) {
-      bound.warnings.push_back(disturbanceText(
-          "The bounds of %.3g and %.3g m/s^2 reach beyond gravity: an upset, an impact or a wrong "
-          "unit is in the data, no disturbance of a flight.",
-          bound.least, bound.greatest));
+      bound.warnings.push_back(
+          sentence("The bounds of %.3g and %.3g m/s^2 reach beyond gravity: an upset, an impact or a wrong "
+                   "unit is in the data, no disturbance of a flight.",
+                   bound.least, bound.greatest));
     }
     bound.supported = sound && !absurd && bound.confidence >= limits.confidence;
     checkStationarity(residual, &bound);

@@ -1,20 +1,28 @@
 #include "identification/excitation.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+
+#include "quantile.hpp"
 
 namespace polyfly {
 namespace {
 
 // Time step of activity and correlation [s].
 constexpr double kGrid = 0.05;
-// Quantile of the activity that sets the threshold.
+// Half width of the stretch over which the deviation of the command counts as activity [s].
+constexpr double kHalfWidth = 1.0;
+// Threshold as a share of the activity that is exceeded 10 % of the time.
+constexpr double kThresholdShare = 0.25;
 constexpr double kBusyShare = 0.9;
+// Threshold as a share of the activity above which lies half of its energy. The greater threshold counts.
+constexpr double kEnergyShare = 0.06;
+// Margin before and after a window, so that the response is included [s].
+constexpr double kMargin = 0.5;
 // Gap below which two windows are joined [s].
 constexpr double kJoin = 1.0;
-// Length of the pieces of a window that are judged separately [s].
-constexpr double kPiece = 4.0;
 // Activity below which the command counts as constant.
 constexpr double kLeastActivity = 1e-9;
 
@@ -34,10 +42,9 @@ std::vector<double> onGrid(const TimeSeries& series, const TimeWindow& window) {
 }
 
 // Of one piece of the record, appended to what there is of the others.
-void addActivity(const TimeSeries& command, const TimeWindow& window, double half_width,
-                 TimeSeries* activity) {
+void addActivity(const TimeSeries& command, const TimeWindow& window, TimeSeries* activity) {
   const std::vector<double> values = onGrid(command, window);
-  const auto reach = static_cast<std::ptrdiff_t>(std::lround(half_width / kGrid));
+  const auto reach = static_cast<std::ptrdiff_t>(std::lround(kHalfWidth / kGrid));
   std::vector<double> sum(values.size() + 1, 0.0);
   std::vector<double> square(values.size() + 1, 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -55,13 +62,6 @@ void addActivity(const TimeSeries& command, const TimeWindow& window, double hal
     activity->time.push_back(window.from + kGrid * static_cast<double>(i));
     activity->value.push_back(std::sqrt(std::max(0.0, variance)));
   }
-}
-
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 // Activity above which lies half of its energy. Where a short excitation is in a long hover, the quantile is that of
@@ -85,14 +85,14 @@ struct ActivePiece {
   std::size_t last = 0;
 };
 
-std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double threshold, double margin,
+std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double threshold,
                                       const ActivePiece& piece) {
   const TimeWindow& all = piece.window;
   std::vector<TimeWindow> windows;
   for (std::size_t i = piece.first; i < piece.last; ++i) {
     if (activity.value[i] < threshold) continue;
-    const TimeWindow around = {std::max(all.from, activity.time[i] - margin),
-                               std::min(all.to, activity.time[i] + margin)};
+    const TimeWindow around = {std::max(all.from, activity.time[i] - kMargin),
+                               std::min(all.to, activity.time[i] + kMargin)};
     if (!windows.empty() && around.from <= windows.back().to + kJoin) {
       windows.back().to = around.to;
     } else {
@@ -103,47 +103,13 @@ std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double thresho
 }
 
 double correlation(const std::vector<double>& command, const std::vector<double>& response, std::size_t lag) {
-  const std::size_t count = response.size() - lag;
-  double mean_command = 0.0;
-  double mean_response = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    mean_command += command[i];
-    mean_response += response[i + lag];
-  }
-  mean_command /= static_cast<double>(count);
-  mean_response /= static_cast<double>(count);
-  double product = 0.0;
-  double command_square = 0.0;
-  double response_square = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double a = command[i] - mean_command;
-    const double b = response[i + lag] - mean_response;
-    product += a * b;
-    command_square += a * a;
-    response_square += b * b;
-  }
-  const double scale = std::sqrt(command_square * response_square);
-  return scale > 0.0 ? product / scale : 0.0;
-}
-
-// The window in pieces of about kPiece; what lies on the ground or in another mode is told apart from the
-// rest.
-std::vector<TimeWindow> pieces(const TimeWindow& window) {
-  const double count = std::max(1.0, std::floor((window.to - window.from) / kPiece));
-  std::vector<TimeWindow> result;
-  for (double i = 0.0; i < count; ++i) {
-    result.push_back({window.from + (window.to - window.from) * i / count,
-                      window.from + (window.to - window.from) * (i + 1.0) / count});
-  }
-  return result;
-}
-
-void append(const TimeWindow& piece, std::vector<TimeWindow>* windows) {
-  if (!windows->empty() && windows->back().to >= piece.from) {
-    windows->back().to = piece.to;
-  } else {
-    windows->push_back(piece);
-  }
+  const auto count = static_cast<Eigen::Index>(response.size() - lag);
+  Eigen::VectorXd one = Eigen::Map<const Eigen::VectorXd>(command.data(), count);
+  Eigen::VectorXd other = Eigen::Map<const Eigen::VectorXd>(response.data() + lag, count);
+  one.array() -= one.mean();
+  other.array() -= other.mean();
+  const double scale = one.norm() * other.norm();
+  return scale > 0.0 ? one.dot(other) / scale : 0.0;
 }
 
 }  // namespace
@@ -176,32 +142,17 @@ TimeSeries within(const TimeSeries& series, const TimeWindow& window) {
   return {{from, to}, {value + (from - series.time.begin()), value + (to - series.time.begin())}};
 }
 
-// Keeps what the response follows of a window in which the command is active.
-void judge(const LoopRecord& record, const TimeWindow& window, const ExcitationSearchOptions& options,
-           ExcitationChoice* choice) {
-  if (window.to - window.from < options.least_window) {
-    choice->rejected.push_back({window, "too short"});
-    return;
-  }
-  std::vector<TimeWindow> unanswered;
-  for (const TimeWindow& piece : pieces(window)) {
-    const double follows = bestCorrelation(record.command, record.response, piece, options.greatest_lag);
-    append(piece, std::abs(follows) < options.least_correlation ? &unanswered : &choice->windows);
-  }
-  for (const TimeWindow& piece : unanswered) {
-    choice->rejected.push_back({piece, "the response does not follow the command"});
-  }
-}
-
 }  // namespace
 
-ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options) {
+ExcitationChoice chooseExcitation(const LoopRecord& record) {
   ExcitationChoice choice;
   if (record.command.time.empty() || record.response.time.empty()) return choice;
   const TimeWindow all = {std::max(record.command.time.front(), record.response.time.front()),
                           record.response.time.back()};
   if (!(all.from < all.to)) return choice;
   std::vector<ActivePiece> active;
+  // Deviation of the command around each time.
+  TimeSeries activity;
   choice.rejected = record.not_flight;
   for (const TimeWindow& window :
        windowsWithout(cutAtFarSteps({all}, record.response.time), record.not_flight)) {
@@ -209,17 +160,21 @@ ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSear
       choice.rejected.push_back({window, "its samples are too far apart"});
       continue;
     }
-    const std::size_t first = choice.activity.time.size();
-    addActivity(record.command, window, options.half_width, &choice.activity);
-    active.push_back({window, first, choice.activity.time.size()});
+    const std::size_t first = activity.time.size();
+    addActivity(record.command, window, &activity);
+    active.push_back({window, first, activity.time.size()});
   }
   if (active.empty()) return choice;
-  choice.threshold = std::max(options.threshold_share * quantile(choice.activity.value, kBusyShare),
-                              options.energy_share * energyLevel(choice.activity.value));
-  if (choice.threshold < kLeastActivity) return choice;
+  const double threshold = std::max(kThresholdShare * quantileOf(activity.value, kBusyShare),
+                                    kEnergyShare * energyLevel(activity.value));
+  if (threshold < kLeastActivity) return choice;
   for (const ActivePiece& piece : active) {
-    for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, options.margin, piece)) {
-      judge(record, window, options, &choice);
+    for (const TimeWindow& window : activeWindows(activity, threshold, piece)) {
+      if (window.to - window.from < kLeastWindow) {
+        choice.rejected.push_back({window, "too short"});
+      } else {
+        choice.windows.push_back(window);
+      }
     }
   }
   return choice;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "command_quantum.hpp"
 #include "fit_uncertainty.hpp"
 #include "linear_part.hpp"
 #include "polyfly_base/error.hpp"
@@ -122,7 +121,7 @@ void nameParameters(bool with_delay, LoopFit* fit) {
   list.push_back({"offset", "", fit->offset});
 }
 
-void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, double rounding, LoopFit* fit) {
+void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, LoopFit* fit) {
   nameParameters(with_delay, fit);
   const Eigen::VectorXd residuals = part.residuals();
   const Eigen::MatrixXd gradient = jacobian(part, fit->shape, delay_free);
@@ -130,33 +129,21 @@ void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, double r
   const RobustCovariance robust =
       robustCovariance(gradient, residuals, fit->residual_scale, part.starts(), leading);
   Eigen::MatrixXd covariance = robust.covariance;
-  covariance(0, 0) += fit->gain * fit->gain * rounding;
   if (fit->shape.order == LoopOrder::kSecond) {
     const Eigen::MatrixXd transform = secondOrderTransform(*fit, leading);
     covariance = transform * covariance * transform.transpose();
   }
   const double factor = intervalFactor(robust.lag_share);
-  const auto size = static_cast<Eigen::Index>(fit->parameters.size());
-  fit->correlation = Eigen::MatrixXd::Identity(size, size);
-  // Place of each parameter in the covariance; -1: none.
-  std::vector<Eigen::Index> place;
-  for (Eigen::Index i = 0, at = 0; i < size; ++i) {
-    const bool fixed = fit->parameters[static_cast<std::size_t>(i)].name == "delay" && !delay_free;
-    place.push_back(fixed ? -1 : at++);
-  }
-  for (Eigen::Index i = 0; i < size; ++i) {
-    const Eigen::Index row = place[static_cast<std::size_t>(i)];
-    auto& parameter = fit->parameters[static_cast<std::size_t>(i)];
+  Eigen::Index row = 0;
+  for (FittedParameter& parameter : fit->parameters) {
+    // A delay at the end of its search has no error.
+    const bool fixed = parameter.name == "delay" && !delay_free;
     parameter.standard_error =
-        row < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(covariance(row, row));
+        fixed ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(covariance(row, row));
     parameter.half_width = factor * parameter.standard_error;
-    for (Eigen::Index j = 0; j < size; ++j) {
-      const Eigen::Index column = place[static_cast<std::size_t>(j)];
-      if (i == j || row < 0 || column < 0) continue;
-      fit->correlation(i, j) =
-          covariance(row, column) / std::sqrt(covariance(row, row) * covariance(column, column));
-    }
+    row += fixed ? 0 : 1;
   }
+  if (fit->shape.order == LoopOrder::kFirst && delay_free) fit->lag_delay_covariance = covariance(1, 2);
 }
 
 }  // namespace
@@ -192,12 +179,10 @@ LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& opti
   fit.residual_scale = search.scale;
   const Eigen::VectorXd residuals = part.residuals();
   fit.residual_rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
-  fit.outlier_share = (residuals.array().abs() > kHuberReach * search.scale).cast<double>().mean();
   fit.samples = static_cast<std::size_t>(part.samples());
   fit.fit_percent = fitPercent(part.response(), part.model());
   fit.prediction = split(part.model(), part.starts());
-  const double rounding = gainVarianceOfRounding(segments, commandQuantum(segments));
-  addUncertainty(part, !space.delayAtBound(best), options.with_delay, rounding, &fit);
+  addUncertainty(part, !space.delayAtBound(best), options.with_delay, &fit);
   return fit;
 }
 

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "flight_signs.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kDegreesPerTurnedRadian = 57.29577951308232;
 // An impact this close to an upset belongs to it [s].
 constexpr double kHitReach = 1.0;
 // Upsets that are closer are one [s].
@@ -69,66 +68,17 @@ TimeWindow windowOf(const FlightGrid& grid, const Span& span, double before, dou
   return {from - grid.from < kLeastFlight ? grid.from : from, end - to < kLeastFlight ? end : to};
 }
 
-std::string upsetReason(const UpsetSigns& signs, const Span& span) {
-  double tilt = 0.0;
-  double rate = 0.0;
-  bool fell = false;
-  bool hit = false;
-  bool tilted = false;
-  bool turning = false;
-  for (std::size_t i = span.first; i <= span.last; ++i) {
-    if (std::isfinite(signs.tilt[i])) tilt = std::max(tilt, signs.tilt[i]);
-    rate = std::max(rate, signs.rate[i]);
-    fell = fell || signs.falling[i];
-    hit = hit || signs.hit[i];
-    tilted = tilted || signs.tilted[i];
-    turning = turning || signs.turning[i];
-  }
-  std::string reason;
-  char text[64];
-  const auto add = [&reason](const std::string& sign) { reason += (reason.empty() ? "" : ", ") + sign; };
-  if (tilted) {
-    std::snprintf(text, sizeof text, "tilt up to %.0f deg", tilt * kDegreesPerTurnedRadian);
-    add(text);
-  }
-  if (turning) {
-    std::snprintf(text, sizeof text, "turns at up to %.2g rad/s", rate);
-    add(text);
-  }
-  if (fell) add("free fall");
-  if (hit) add("impact");
-  return "upset, not commanded (" + reason + ")";
-}
-
-std::string groundReason(unsigned signs) {
-  const std::pair<unsigned, const char*> names[] = {{kThrottle, "throttle at its least"},
-                                                    {kSpeed, "no speed"},
-                                                    {kAttitude, "attitude at rest"},
-                                                    {kHeight, "height at its least"},
-                                                    {kForce, "accelerometer at rest"}};
-  std::string reason;
-  for (const auto& [sign, name] : names) {
-    if ((signs & sign) != 0) reason += (reason.empty() ? "" : ", ") + std::string(name);
-  }
-  return "on the ground (" + reason + ")";
-}
-
 void addUpsets(const FlightGrid& grid, const GroundSigns& ground, std::vector<RejectedWindow>* found) {
   const UpsetSigns signs = upsetSigns(grid);
-  std::vector<bool> flags(grid.size);
-  for (std::size_t i = 0; i < grid.size; ++i) flags[i] = signs.any(i);
-  for (const Span& upset : spansOf(flags, kUpsetJoin)) {
+  for (const Span& upset : spansOf(signs.upset, kUpsetJoin)) {
     const Span span = wholeUpset(upset, signs, ground);
-    found->push_back({windowOf(grid, span, kUpsetBefore, kUpsetAfter), upsetReason(signs, span)});
+    found->push_back({windowOf(grid, span, kUpsetBefore, kUpsetAfter), "upset, not commanded"});
   }
 }
 
 void addGround(const FlightGrid& grid, const GroundSigns& ground, std::vector<RejectedWindow>* found) {
-  for (const Span& span : spansOf(ground.stands, kGroundJoin)) {
-    unsigned signs = 0;
-    for (std::size_t i = span.first; i <= span.last; ++i) signs |= ground.by[i];
-    found->push_back({windowOf(grid, span, kGroundMargin, kGroundMargin), groundReason(signs)});
-  }
+  for (const Span& span : spansOf(ground.stands, kGroundJoin))
+    found->push_back({windowOf(grid, span, kGroundMargin, kGroundMargin), "on the ground"});
 }
 
 // In order of time; what overlaps is cut, and what is left between two of one piece must be worth it.
@@ -180,10 +130,7 @@ std::vector<std::string> clausesOn(const std::vector<RejectedWindow>& left_out) 
     std::size_t count = 0;
     for (const RejectedWindow& one : left_out) {
       if (one.reason != reason || ++count > kMostTimes) continue;
-      char text[80];
-      std::snprintf(text, sizeof text, "%s%.1f .. %.1f", count > 1 ? ", " : "", one.window.from,
-                    one.window.to);
-      times += text;
+      times += sentence("%s%.1f .. %.1f", count > 1 ? ", " : "", one.window.from, one.window.to);
     }
     if (count > kMostTimes) times += " and " + std::to_string(count - kMostTimes) + " more";
     clauses.push_back(times + (count > kMostTimes ? ": " : " s: ") + reason);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "csv_times.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -29,7 +31,6 @@ const std::vector<Pattern>& patterns() {
   static const std::vector<const char*> kSpeed = {"mps"};
   static const std::vector<const char*> kForce = {"mps2"};
   static const std::vector<const char*> kLength = {"m"};
-  static const std::vector<const char*> kVoltage = {"V", "v"};
   static const std::vector<Pattern> kList = {
       {"roll_cmd", {"roll_cmd", "roll_ref", "roll_sp", "roll_des"}, kAngle},
       {"pitch_cmd", {"pitch_cmd", "pitch_ref", "pitch_sp", "pitch_des"}, kAngle},
@@ -57,7 +58,6 @@ const std::vector<Pattern>& patterns() {
       {"specific_force_y", {"ay"}, kForce},
       {"height", {"height", "z", "alt"}, kLength},
       {"height", {"down"}, kLength, -1.0},
-      {"voltage", {"voltage", "battery_voltage", "vbat", "bat_voltage"}, kVoltage},
   };
   return kList;
 }
@@ -74,11 +74,7 @@ bool matches(const Pattern& pattern, const std::string& column) {
 }
 
 double unitOf(const std::string& column) {
-  const auto ends = [&column](const std::string& ending) {
-    return column.size() >= ending.size() &&
-           column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
-  };
-  return ends("_deg") || ends("_degps") ? kRadiansPerDegree : 1.0;
+  return endsWith(column, "_deg") || endsWith(column, "_degps") ? kRadiansPerDegree : 1.0;
 }
 
 bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
@@ -114,9 +110,6 @@ TimeSeries CsvColumns::series(const std::string& signal, const std::string& colu
 
 std::vector<std::string> CsvColumns::remarks() const {
   std::vector<std::string> remarks;
-  for (const CsvTimes* times : {&times_, &command_times_}) {
-    if (!times->remark.empty()) remarks.push_back(times->remark);
-  }
   if (log_.decimal_comma) remarks.emplace_back("its numbers have a decimal comma");
   if (log_.unreadable > 0)
     remarks.push_back(std::to_string(log_.unreadable) + " fields are neither a number nor empty");
@@ -175,6 +168,30 @@ const TimeSeries& FlightSignals::at(const std::string& name) const {
               (known.empty() ? "" : "; the log has " + known));
 }
 
+TimeWindow spanOf(const FlightSignals& flight) {
+  TimeWindow span = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const auto& [name, series] : flight.series) {
+    for (const double time : series.time) {
+      if (!std::isfinite(time)) continue;
+      span.from = std::min(span.from, time);
+      span.to = std::max(span.to, time);
+    }
+  }
+  return span;
+}
+
+void append(FlightSignals piece, FlightSignals* recording) {
+  if (piece.thrust_is_share != recording->thrust_is_share) piece.series.erase("thrust_cmd");
+  for (auto& [name, series] : piece.series) {
+    TimeSeries& all = recording->series[name];
+    all.time.insert(all.time.end(), series.time.begin(), series.time.end());
+    all.value.insert(all.value.end(), series.value.begin(), series.value.end());
+    recording->origin.try_emplace(name, piece.origin[name]);
+  }
+  recording->lossy = recording->lossy || piece.lossy;
+  recording->not_flight.insert(recording->not_flight.end(), piece.not_flight.begin(), piece.not_flight.end());
+}
+
 const std::vector<std::string>& signalNames() {
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> list;
@@ -185,6 +202,26 @@ const std::vector<std::string>& signalNames() {
     return list;
   }();
   return kNames;
+}
+
+double ChosenPlace::factor() const { return sign * (in_degrees ? kRadiansPerDegree : 1.0); }
+
+ChosenPlace chosenPlace(const std::string& signal, const std::string& text) {
+  const std::vector<std::string>& names = signalNames();
+  if (std::find(names.begin(), names.end(), signal) == names.end()) {
+    std::string known;
+    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+    throw Error("--signal " + signal + ": is none of " + known);
+  }
+  ChosenPlace chosen{text};
+  if (!text.empty() && text.front() == '-') {
+    chosen.sign = -1.0;
+    chosen.place.erase(0, 1);
+  }
+  const std::string degrees = ":deg";
+  chosen.in_degrees = endsWith(chosen.place, degrees);
+  if (chosen.in_degrees) chosen.place.resize(chosen.place.size() - degrees.size());
+  return chosen;
 }
 
 TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name) {
@@ -218,20 +255,10 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
   signals.places = log.names;
   for (const auto& [signal, column] : choice) {
     if (signal == "time" || signal == "cmd_time") continue;
-    const auto& names = signalNames();
-    if (std::find(names.begin(), names.end(), signal) == names.end()) {
-      std::string known = "time, cmd_time";
-      for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-      throw Error("--signal " + signal + ": is none of " + known);
-    }
-    const bool turned = !column.empty() && column.front() == '-';
-    const std::string ending = ":deg";
-    const bool degrees = column.size() > ending.size() &&
-                         column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
-    const std::size_t from = turned ? 1 : 0;
-    const std::string name = column.substr(from, column.size() - from - (degrees ? ending.size() : 0));
-    const double factor = (turned ? -1.0 : 1.0) * (degrees ? kRadiansPerDegree / unitOf(name) : 1.0);
-    signals.series[signal] = columns.series(signal, name, factor);
+    const ChosenPlace chosen = chosenPlace(signal, column);
+    // What the name of the column says of its unit, the choice says again.
+    const double named = chosen.in_degrees ? unitOf(chosen.place) : 1.0;
+    signals.series[signal] = columns.series(signal, chosen.place, chosen.factor() / named);
     signals.origin[signal] = column;
   }
   for (const Pattern& pattern : patterns()) {
@@ -246,7 +273,7 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
 
 bool isAuxiliary(const std::string& name) {
   return name.compare(0, 5, "gyro_") == 0 || name == "specific_force_x" || name == "specific_force_y" ||
-         name == "height" || name == "voltage";
+         name == "height";
 }
 
 std::vector<std::string> missingAxes(const FlightSignals& signals) {

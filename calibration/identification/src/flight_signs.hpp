@@ -8,20 +8,10 @@ namespace polyfly {
 
 /// Signs of an upset at each time of a grid.
 struct UpsetSigns {
-  /// True: the attitude is beyond what was commanded.
-  std::vector<bool> tilted;
-  /// True: the vehicle turns beyond what was commanded.
-  std::vector<bool> turning;
-  /// True: the accelerometer shows free fall.
-  std::vector<bool> falling;
+  /// True: the attitude is beyond what was commanded, the vehicle turns beyond it, or the accelerometer shows free fall.
+  std::vector<bool> upset;
   /// True: the accelerometer or the velocity shows an impact. Alone it is no upset.
   std::vector<bool> hit;
-  /// Tilt [rad]; NaN where it is not known.
-  std::vector<double> tilt;
-  /// Mean rate about a horizontal axis over the last 0.4 s [rad/s].
-  std::vector<double> rate;
-
-  bool any(std::size_t i) const { return tilted[i] || turning[i] || falling[i]; }
 };
 
 UpsetSigns upsetSigns(const FlightGrid& grid);
@@ -44,13 +34,9 @@ FlightLevels flightLevels(const std::vector<FlightGrid>& grids);
 /// Signs of the ground at each time of a grid.
 struct GroundSigns {
   std::vector<bool> stands;
-  /// Which signs say so: bits of GroundSign.
-  std::vector<unsigned> by;
   /// True: the attitude rests.
   std::vector<bool> rests;
 };
-
-enum GroundSign : unsigned { kThrottle = 1, kSpeed = 2, kAttitude = 4, kHeight = 8, kForce = 16 };
 
 GroundSigns groundSigns(const FlightGrid& grid, const FlightLevels& levels);
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "quantile.hpp"
 
 namespace polyfly {
 namespace {
@@ -12,6 +14,8 @@ namespace {
 // Length of the cells in which energies are summed, and cells of a stretch that is judged.
 constexpr double kCell = 0.5;  // [s]
 constexpr std::size_t kJudgedCells = 4;
+// Cells of a short stretch.
+constexpr std::size_t kPairCells = 2;
 // Parts of the windows that a model is fitted to: most of them, and least length [s].
 constexpr double kMostParts = 10.0;
 constexpr double kLeastPart = 6.0;
@@ -37,18 +41,12 @@ struct Cell {
   double samples = 0.0;
 };
 
-double middle(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // Response without a model: level around which it moves.
 double levelOf(const std::vector<LoopSegment>& segments) {
   std::vector<double> all;
   for (const LoopSegment& segment : segments)
     all.insert(all.end(), segment.response.begin(), segment.response.end());
-  return middle(std::move(all));
+  return quantileOf(std::move(all));
 }
 
 // Cells of each segment.
@@ -80,9 +78,9 @@ Cells cellsOf(const LoopFit& fit, const std::vector<LoopSegment>& segments, doub
 }
 
 // Sum of neighbouring cells, first one `at`.
-Cell stretchAt(const std::vector<Cell>& cells, std::size_t at) {
+Cell stretchAt(const std::vector<Cell>& cells, std::size_t at, std::size_t count = kJudgedCells) {
   Cell sum = cells[at];
-  for (std::size_t i = at + 1; i < std::min(cells.size(), at + kJudgedCells); ++i) {
+  for (std::size_t i = at + 1; i < std::min(cells.size(), at + count); ++i) {
     sum.to = cells[i].to;
     sum.response += cells[i].response;
     sum.residual += cells[i].residual;
@@ -158,7 +156,7 @@ std::optional<double> usualResidual(const Cells& cells) {
     }
   }
   if (residuals.empty()) return std::nullopt;
-  return middle(std::move(residuals));
+  return quantileOf(std::move(residuals));
 }
 
 double ratioOf(const Cell& stretch) {
@@ -188,16 +186,9 @@ std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const bool at_end = i == 0 || i + 1 == cells.size();
     if (at_end && missesByFar(cells[i], usual)) stray[i] = true;
-    if (i == 0) continue;
-    Cell pair = cells[i - 1];
-    pair.response += cells[i].response;
-    pair.residual += cells[i].residual;
-    pair.samples += cells[i].samples;
-    if (missesByFar(pair, usual)) stray[i - 1] = stray[i] = true;
+    if (i > 0 && missesByFar(stretchAt(cells, i - 1, kPairCells), usual)) stray[i - 1] = stray[i] = true;
   }
-  const auto misses = [&](std::size_t i) {
-    return cells[i].residual > kAway * kAway * usual * usual * cells[i].samples;
-  };
+  const auto misses = [&](std::size_t i) { return missedBy(cells[i]) > kAway * usual; };
   for (std::size_t i = 1; i < cells.size(); ++i) {
     if (stray[i - 1] && misses(i)) stray[i] = true;
   }
@@ -224,11 +215,11 @@ std::vector<RejectedWindow> strays(const Cells& cells, double usual) {
 }
 
 // What is left of a window must be long enough to be used.
-std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, double least_window,
+std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows,
                                std::vector<RejectedWindow>* rejected) {
   std::vector<TimeWindow> kept;
   for (const TimeWindow& window : windowsWithout(windows, *rejected)) {
-    if (window.to - window.from >= least_window) kept.push_back(window);
+    if (window.to - window.from >= kLeastWindow) kept.push_back(window);
   }
   std::vector<RejectedWindow> others;
   for (const TimeWindow& window : kept) others.push_back({window, ""});
@@ -241,8 +232,7 @@ std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, double le
 
 }  // namespace
 
-void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, double least_window,
-                     ExcitationChoice* choice) {
+void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, ExcitationChoice* choice) {
   FitOptions options = fit;
   options.global_evaluations = kRoughSearch;
   options.local_evaluations = kRoughSearch;
@@ -259,7 +249,7 @@ void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, double lea
     const std::optional<double> usual = usualResidual(cells);
     if (!usual) return;
     std::vector<RejectedWindow> found = strays(cells, *usual);
-    std::vector<TimeWindow> left = keptOf(choice->windows, least_window, &found);
+    std::vector<TimeWindow> left = keptOf(choice->windows, &found);
     if (left.empty()) return;
     const bool same =
         found.size() == rejected.size() &&

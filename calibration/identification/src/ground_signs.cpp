@@ -88,8 +88,8 @@ double restOfForce(const std::vector<FlightGrid>& grids) {
   return kQuietShare * rarelyExceeded(ranges, kUsual);
 }
 
-// The signs of one window; 0 where it does not stand.
-unsigned signsOf(const FlightGrid& grid, const FlightLevels& levels, std::size_t from, bool* rests) {
+// Whether the vehicle stands in one window, and whether its attitude rests.
+bool standsIn(const FlightGrid& grid, const FlightLevels& levels, std::size_t from, bool* rests) {
   const Extent roll = extentOf(grid.roll, from);
   const Extent pitch = extentOf(grid.pitch, from);
   const Extent speed = extentOf(grid.speed, from);
@@ -99,24 +99,20 @@ unsigned signsOf(const FlightGrid& grid, const FlightLevels& levels, std::size_t
   const Extent force = extentOf(grid.force, from);
   const double angle = roll.whole && pitch.whole ? std::max(roll.range(), pitch.range()) : kNothing;
   *rests = angle < kRestAngle;
-  if (speed.whole && speed.greatest > kFast) return 0;
-  if (airspeed.whole && airspeed.greatest > levels.airspeed_least) return 0;
+  if (speed.whole && speed.greatest > kFast) return false;
+  if (airspeed.whole && airspeed.greatest > levels.airspeed_least) return false;
   // Who carries a fixed wing to its start walks: then the airspeed tells.
   const bool grounded = airspeed.whole && airspeed.greatest < levels.airspeed_least;
   const bool slow = (speed.whole && speed.greatest < kSlow) || grounded;
   const bool low = height.whole && height.greatest < levels.height_low;
   const bool quiet = force.whole && force.range() < levels.force_rest &&
                      std::abs(force.least - kGravityAtRest) < kGravityShare * kGravityAtRest;
-  unsigned signs =
-      (slow ? kSpeed : 0U) | (*rests ? kAttitude : 0U) | (low ? kHeight : 0U) | (quiet ? kForce : 0U);
-  if (throttle.whole && std::isfinite(levels.throttle_least)) {
-    if (throttle.greatest > levels.throttle_least || !(slow || *rests)) return 0;
-    return signs | kThrottle;
-  }
+  if (throttle.whole && std::isfinite(levels.throttle_least))
+    return throttle.greatest <= levels.throttle_least && (slow || *rests);
   // Without a throttle, take-off and landing are taken to be at about one height.
-  if (height.whole && height.least > levels.height_high) return 0;
+  if (height.whole && height.least > levels.height_high) return false;
   const bool still = angle < kDeepRestAngle && (slow || !speed.whole);
-  return still && (low || quiet) ? signs : 0;
+  return still && (low || quiet);
 }
 
 }  // namespace
@@ -147,14 +143,12 @@ GroundSigns groundSigns(const FlightGrid& grid, const FlightLevels& levels) {
   GroundSigns result;
   result.stands.assign(grid.size, false);
   result.rests = result.stands;
-  result.by.assign(grid.size, 0);
   for (std::size_t from = 0; from + kStandSteps < grid.size; ++from) {
     bool rests = false;
-    const unsigned signs = signsOf(grid, levels, from, &rests);
-    for (std::size_t i = from; i <= from + kStandSteps && (rests || signs != 0); ++i) {
+    const bool stands = standsIn(grid, levels, from, &rests);
+    for (std::size_t i = from; i <= from + kStandSteps && (rests || stands); ++i) {
       result.rests[i] = result.rests[i] || rests;
-      result.stands[i] = result.stands[i] || signs != 0;
-      result.by[i] |= signs;
+      result.stands[i] = result.stands[i] || stands;
     }
   }
   return result;

@@ -1,22 +1,17 @@
 #include "identification/header_clock.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+#include <utility>
+
+#include "quantile.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
 // Steps that get a clause of their own.
 constexpr std::size_t kMostClauses = 3;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Stamped {
   std::vector<double> stamp;
@@ -26,7 +21,7 @@ struct Stamped {
   double medianLead(std::size_t begin, std::size_t end) const {
     std::vector<double> leads;
     for (std::size_t index = begin; index < end; ++index) leads.push_back(lead(index));
-    return median(std::move(leads));
+    return quantileOf(std::move(leads));
   }
 };
 
@@ -52,7 +47,7 @@ double usualPeriod(const std::vector<double>& stamps) {
   std::vector<double> periods;
   for (std::size_t index = 1; index < stamps.size(); ++index)
     periods.push_back(stamps[index] - stamps[index - 1]);
-  return median(std::move(periods));
+  return quantileOf(std::move(periods));
 }
 
 void findSteps(const Stamped& messages, HeaderClock* clock) {
@@ -94,12 +89,10 @@ void findSteps(const Stamped& messages, HeaderClock* clock) {
 }
 
 std::string clauseOn(const ClockStep& step, double start) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "%s jumps by %.4g s against %s, %.4g s after the first message",
-                step.of_headers ? "the clock of the headers" : "the recorder's clock",
-                step.of_headers ? step.by : -step.by,
-                step.of_headers ? "the recorder's" : "that of the headers", step.at - start);
-  return text.data();
+  return sentence("%s jumps by %.4g s against %s, %.4g s after the first message",
+                  step.of_headers ? "the clock of the headers" : "the recorder's clock",
+                  step.of_headers ? step.by : -step.by,
+                  step.of_headers ? "the recorder's" : "that of the headers", step.at - start);
 }
 
 }  // namespace

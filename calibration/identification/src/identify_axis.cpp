@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "axis_stages.hpp"
 #include "diagnose.hpp"
 #include "follow.hpp"
 #include "identification/flight_phases.hpp"
@@ -13,11 +12,6 @@
 namespace polyfly {
 namespace {
 
-// Greatest frequency of the measured frequency response [Hz].
-constexpr double kGreatestFrequency = 5.0;
-constexpr int kFrequencyPoints = 60;
-constexpr double kLongestBlock = 8.0;   // [s]
-constexpr double kShortestBlock = 2.0;  // [s]
 // Least length of a half for a fit [s].
 constexpr double kLeastHalf = 2.0;
 
@@ -93,17 +87,16 @@ std::size_t modelCount(const std::string& axis, bool second_order) {
 }
 
 // The models of the first half, each validated on the second; none where a half says too little.
-std::vector<AxisValidationFit> validateByHalves(const LoopRecord& record,
-                                                const std::vector<LoopSegment>& segments,
-                                                const FitOptions& options, std::size_t count) {
-  const auto [first, second] = halves(segments);
-  const std::vector<LoopSegment> training = cutSegments(record, first, options.delay_greatest);
-  const std::vector<LoopSegment> rest = cutSegments(record, second, options.delay_greatest);
+std::vector<AxisValidationFit> validateByHalves(const AxisModel& model, const FitOptions& options) {
+  const auto [first, second] = halves(model.segments);
+  const std::vector<LoopSegment> training = cutSegments(model.record, first, options.delay_greatest);
+  const std::vector<LoopSegment> rest = cutSegments(model.record, second, options.delay_greatest);
   if (totalDuration(training) < kLeastHalf || totalDuration(rest) < kLeastHalf) return {};
   try {
     std::vector<AxisValidationFit> results;
-    for (const LoopFit& fit : fitModels(fitLoop(training, options), training, options, count)) {
-      results.push_back(validateOn(fit, record.source, rest));
+    for (const LoopFit& fit :
+         fitModels(fitLoop(training, options), training, options, model.controller_models.size())) {
+      results.push_back(validateOn(fit, model.source, rest));
       results.back().by_halves = true;
     }
     return results;
@@ -112,73 +105,38 @@ std::vector<AxisValidationFit> validateByHalves(const LoopRecord& record,
   }
 }
 
-// Every controller model on the segments of another flight.
-std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const std::string& source,
-                                                const std::vector<LoopSegment>& segments) {
-  std::vector<AxisValidationFit> results;
-  for (const ControllerModel& one : model.controller_models)
-    results.push_back(validateOn(one.fit, source, segments));
-  return results;
-}
-
-void takeValidation(std::vector<AxisValidationFit> results, AxisModel* model) {
-  for (std::size_t i = 0; i < results.size(); ++i)
-    model->controller_models[i].validation = std::move(results[i]);
-  model->validation = model->controller_models.front().validation;
-}
-
 // Every model of the axis on its segments.
 void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
-  FitOptions without = options;
-  without.with_delay = false;
-  model->without_delay = fitLoop(model->segments, without);
   model->with_delay = fitLoop(model->segments, options);
   std::vector<LoopFit> fits =
       fitModels(model->with_delay, model->segments, options, modelCount(model->axis, second_order));
-  if (fits.size() > 2) model->second_order = fits[2];
   for (std::size_t i = 0; i < fits.size(); ++i)
     model->controller_models.push_back({kModels[i].key, kModels[i].title, std::move(fits[i]), {}, {}});
 }
 
-double blockLength(const std::vector<LoopSegment>& segments) {
-  double longest = 0.0;
-  for (const LoopSegment& segment : segments) longest = std::max(longest, segment.duration());
-  return std::clamp(0.4 * longest, kShortestBlock, kLongestBlock);
+ExcitationChoice chosenWindows(const std::vector<TimeWindow>& given, const LoopRecord& record,
+                               const FitOptions& fit) {
+  if (!given.empty()) return {given, {}};
+  ExcitationChoice choice = chooseExcitation(record);
+  keepWhatFollows(record, fit, &choice);
+  return choice;
 }
 
-// What is flown at the greatest rate, if there is one.
-std::vector<RejectedWindow> atGreatestRate(const AxisModel& model, const std::vector<LoopSegment>& segments) {
-  std::vector<RejectedWindow> found;
-  if (!model.greatest_rate || !model.greatest_rate->supported()) return found;
-  for (const TimeWindow& stretch : stretchesAt(*model.greatest_rate, segments))
-    found.push_back({stretch, "the rate is at its limit"});
-  return found;
-}
-
-std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
-                              const IdentifyOptions& options, ExcitationChoice* choice) {
-  *choice = chooseExcitation(record, options.excitation);
-  if (windows.empty()) {
-    keepWhatFollows(record, options.fit, options.excitation.least_window, choice);
-    return choice->windows;
+// Every controller model on another flight.
+std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const LoopRecord& record,
+                                                const IdentifyOptions& options) {
+  CleaningCounts ignored;
+  const LoopRecord clean = cleanRecord(record, &ignored);
+  const std::vector<LoopSegment> segments =
+      cutSegments(clean, chosenWindows(options.validation_windows, clean, options.fit).windows,
+                  options.fit.delay_greatest);
+  if (segments.empty()) {
+    throw Error(clean.source + ": " + model.axis + ": nothing to validate on" + whyUnusable(record.response));
   }
-  choice->windows = windows;
-  choice->rejected.clear();
-  return windows;
-}
-
-// Where the models are validated on another flight.
-std::vector<LoopSegment> validationSegments(const AxisRecords& records, const LoopRecord& clean,
-                                            const IdentifyOptions& options, const AxisModel& model) {
-  ExcitationChoice choice;
-  const auto chosen = given(options.validation_windows, clean, options, &choice);
-  const std::vector<LoopSegment> all = cutSegments(clean, chosen, options.fit.delay_greatest);
-  const std::string where = clean.source + ": " + model.axis + ": ";
-  if (all.empty()) throw Error(where + "nothing to validate on" + whyUnusable(records.validation->response));
-  std::vector<LoopSegment> rest =
-      cutSegments(clean, windowsWithout(chosen, atGreatestRate(model, all)), options.fit.delay_greatest);
-  if (rest.empty()) throw Error(where + "nothing to validate on: the response moves at its greatest rate");
-  return rest;
+  std::vector<AxisValidationFit> results;
+  for (const ControllerModel& one : model.controller_models)
+    results.push_back(validateOn(one.fit, clean.source, segments));
+  return results;
 }
 
 }  // namespace
@@ -186,11 +144,14 @@ std::vector<LoopSegment> validationSegments(const AxisRecords& records, const Lo
 double AxisModel::usedTime() const {
   double used = 0.0;
   for (const TimeWindow& window : choice.windows) used += window.to - window.from;
+  for (const AxisModel& flight : flights) used += flight.usedTime();
   return used;
 }
 
 double AxisModel::movingTime() const {
-  double moving = usedTime();
+  double moving = 0.0;
+  for (const TimeWindow& window : choice.windows) moving += window.to - window.from;
+  for (const AxisModel& flight : flights) moving += flight.movingTime();
   for (const RejectedWindow& rejected : choice.rejected) {
     if (rejected.reason == kDoesNotFollow) moving += rejected.window.to - rejected.window.from;
   }
@@ -213,19 +174,21 @@ void judgeModels(const FitOptions& bounds, AxisModel* model) {
   model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
 }
 
+namespace {
+
+// The clean record and the windows to fit to. Throws Error where a signal is empty or nothing is left of it.
 AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model;
   model.axis = records.axis;
   model.unit = records.unit;
   model.command_unit = records.command_unit;
   model.source = records.training.source;
-  model.smoothing = records.training.smoothing;
   model.cleaning = records.cleaning;
   model.record = cleanRecord(records.training, &model.cleaning);
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
-  model.choice.windows = given(options.windows, model.record, options, &model.choice);
+  model.choice = chosenWindows(options.windows, model.record, options.fit);
   model.segments = cutSegments(model.record, model.choice.windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +
@@ -237,25 +200,9 @@ AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& optio
   return model;
 }
 
-void leaveOutGreatestRate(const FitOptions& fit, const std::vector<AxisModel*>& flights) {
-  std::vector<std::vector<LoopSegment>> segments;
-  for (const AxisModel* flight : flights) segments.push_back(flight->segments);
-  const GreatestRate rate = greatestRate(loopRates(segments));
-  for (AxisModel* flight : flights) {
-    flight->greatest_rate = rate;
-    std::vector<RejectedWindow> left_out = atGreatestRate(*flight, flight->segments);
-    if (left_out.empty()) continue;
-    flight->choice.windows = windowsWithout(flight->choice.windows, left_out);
-    flight->segments = cutSegments(flight->record, flight->choice.windows, fit.delay_greatest);
-    for (RejectedWindow& one : left_out) flight->choice.rejected.push_back(std::move(one));
-  }
-}
-
+// Fits all models to the segments, validates and warns.
 void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisModel* model) {
   const std::string where = model->source + ": " + model->axis + ": ";
-  if (model->segments.empty())
-    throw Error(where +
-                "the response moves at its greatest rate in all that was chosen: fly smaller steps too");
   FitOptions fit = options.fit;
   fit.order = LoopOrder::kFirst;
   fit.with_delay = true;
@@ -264,25 +211,21 @@ void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisMod
   } catch (const Error& error) {
     throw Error(where + error.what());
   }
-  if (records.validation) {
-    CleaningCounts ignored;
-    const LoopRecord other = cleanRecord(*records.validation, &ignored);
-    takeValidation(
-        validateOnFlight(*model, other.source, validationSegments(records, other, options, *model)), model);
-  } else {
-    takeValidation(validateByHalves(model->record, model->segments, fit, model->controller_models.size()),
-                   model);
-  }
-  model->frequency_response = measureFrequencyResponse(model->segments, blockLength(model->segments),
-                                                       kGreatestFrequency, kFrequencyPoints);
+  std::vector<AxisValidationFit> validation = records.validation
+                                                  ? validateOnFlight(*model, *records.validation, options)
+                                                  : validateByHalves(*model, fit);
+  for (std::size_t i = 0; i < validation.size(); ++i)
+    model->controller_models[i].validation = std::move(validation[i]);
+  model->validation = model->controller_models.front().validation;
   model->lead = leadOf(model->with_delay, model->segments, fit);
   model->warnings = diagnose(*model, records, fit);
   judgeModels(fit, model);
 }
 
+}  // namespace
+
 AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model = chooseWindows(records, options);
-  if (options.second_order) leaveOutGreatestRate(options.fit, {&model});
   fitAxis(records, options, &model);
   return model;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quantile.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -131,10 +133,8 @@ Eigen::MatrixXd LinearPart::columns() const {
 }
 
 double robustScale(const Eigen::VectorXd& residuals) {
-  Eigen::VectorXd sizes = residuals.cwiseAbs();
-  const auto middle = sizes.data() + sizes.size() / 2;
-  std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
-  return kMedianToDeviation * *middle;
+  const Eigen::VectorXd sizes = residuals.cwiseAbs();
+  return kMedianToDeviation * quantileOf({sizes.begin(), sizes.end()});
 }
 
 }  // namespace polyfly

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "quantile.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -120,10 +122,8 @@ double durationOf(const std::vector<double>& time) {
 std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps) {
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < std::min(steps.size(), kMostTold); ++i) {
-    char text[120];
-    std::snprintf(text, sizeof text, "after %.12g s the times jump by %.6g s", steps[i].from,
-                  steps[i].to - steps[i].from);
-    sentences.emplace_back(text);
+    sentences.push_back(
+        sentence("after %.12g s the times jump by %.6g s", steps[i].from, steps[i].to - steps[i].from));
   }
   if (steps.size() > kMostTold) {
     sentences.push_back("the times jump " + std::to_string(steps.size() - kMostTold) + " times more");
@@ -134,9 +134,9 @@ std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps) {
 std::string whyUnusable(const TimeSeries& series) {
   const double period = typicalPeriod(cleaned(series));
   if (!(period <= kLongestPeriod)) {
-    char text[120];
-    std::snprintf(text, sizeof text, "; its samples are %.6g s apart: are the times in seconds?", period);
-    return text;
+    return sentence(
+        "; its samples are %.6g s apart: are the times in seconds? --signal time=COLUMN:ms says so of a CSV",
+        period);
   }
   std::string why;
   for (const std::string& sentence : sentencesOn(farSteps(series.time))) why += "; " + sentence;
@@ -219,10 +219,7 @@ double typicalPeriod(const TimeSeries& series, double longest) {
     const double period = series.time[i] - series.time[i - 1];
     if (period <= longest) periods.push_back(period);
   }
-  if (periods.empty()) return 0.0;
-  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-  std::nth_element(periods.begin(), middle, periods.end());
-  return *middle;
+  return quantileOf(std::move(periods));
 }
 
 std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector<TimeWindow>& windows,

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
-#include "linear_part.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -21,20 +20,6 @@ constexpr double kUpperEnd = 0.95;
 // Factor of the least value up to which a number lies at the lower end of the search range.
 constexpr double kLowerEnd = 1.05;
 
-template <class... Values>
-std::string reason(const char* format, Values... values) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
-Eigen::Index placeOf(const LoopFit& fit, const std::string& name) {
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
-    if (fit.parameters[i].name == name) return static_cast<Eigen::Index>(i);
-  }
-  return -1;
-}
-
 // A delay that was not looked for, or lies at its least value, has no error.
 double errorOf(const FittedParameter& parameter) {
   return std::isfinite(parameter.standard_error) ? parameter.standard_error : 0.0;
@@ -42,17 +27,17 @@ double errorOf(const FittedParameter& parameter) {
 
 void addFitReasons(const ControllerModel& model, std::vector<std::string>* reasons) {
   if (!(model.fit.fit_percent >= kLeastFit)) {
-    reasons->push_back(
-        reason("The fit is %.1f %%; a controller needs at least %.0f %%.", model.fit.fit_percent, kLeastFit));
+    reasons->push_back(sentence("The fit is %.1f %%; a controller needs at least %.0f %%.",
+                                model.fit.fit_percent, kLeastFit));
   }
   if (!model.validation) {
     reasons->emplace_back(
         "The data do not suffice for a validation: both halves must excite the loop for 2 s.");
   } else if (!(model.validation->validation_percent >= kLeastValidation)) {
     reasons->push_back(
-        reason("The fit on data that it was not fitted to is %.1f %%; a controller needs at "
-               "least %.0f %%.",
-               model.validation->validation_percent, kLeastValidation));
+        sentence("The fit on data that it was not fitted to is %.1f %%; a controller needs at "
+                 "least %.0f %%.",
+                 model.validation->validation_percent, kLeastValidation));
   }
 }
 
@@ -60,16 +45,16 @@ void addIntervalReasons(const ControllerModel& model, std::vector<std::string>* 
   for (const FittedParameter& one : model.fit.parameters) {
     if (one.name == "delay" || one.name == "offset") continue;
     if (!(one.least() > 0.0)) {
-      reasons->push_back(reason("The 95 %% interval of %s, %.3g .. %.3g, is not above zero.",
-                                one.name.c_str(), one.least(), one.greatest()));
+      reasons->push_back(sentence("The 95 %% interval of %s, %.3g .. %.3g, is not above zero.",
+                                  one.name.c_str(), one.least(), one.greatest()));
       continue;
     }
     const double allowed = one.name == "gain" ? kWidestGain : kWidestNumber;
     if (one.half_width <= allowed * one.value) continue;
-    const char* why = one.between_flights > 0.0 ? "The flights differ in" : "Too little excitation for";
     reasons->push_back(
-        reason("%s %s: its 95 %% interval, %.3g .. %.3g, reaches further than %.0f %% of %.3g.", why,
-               one.name.c_str(), one.least(), one.greatest(), 100.0 * allowed, one.value));
+        sentence("Too little excitation for %s, or flights that differ: its 95 %% interval, %.3g .. %.3g, "
+                 "reaches further than %.0f %% of %.3g.",
+                 one.name.c_str(), one.least(), one.greatest(), 100.0 * allowed, one.value));
   }
 }
 
@@ -77,56 +62,35 @@ void addSearchReasons(const ControllerModel& model, const FitOptions& bounds,
                       std::vector<std::string>* reasons) {
   const LoopShape& shape = model.fit.shape;
   if (shape.delay > kUpperEnd * bounds.delay_greatest) {
-    reasons->push_back(reason("The delay of %.2f s lies at the end of its search range.", shape.delay));
+    reasons->push_back(sentence("The delay of %.2f s lies at the end of its search range.", shape.delay));
   }
   if (shape.order != LoopOrder::kFirst) return;
   const bool low = shape.tau < kLowerEnd * bounds.tau_least;
   if (low || shape.tau > kUpperEnd * bounds.tau_greatest) {
-    reasons->push_back(reason("The time constant of %.3f s lies at the end of its search range.", shape.tau));
+    reasons->push_back(
+        sentence("The time constant of %.3f s lies at the end of its search range.", shape.tau));
   }
 }
 
 }  // namespace
 
 LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>& segments) {
-  const FittedParameter& gain = *with_delay.find("gain");
   const FittedParameter& tau = *with_delay.find("tau");
   const FittedParameter& delay = *with_delay.find("delay");
-  const Eigen::Index at_gain = placeOf(with_delay, "gain");
-  const Eigen::Index at_tau = placeOf(with_delay, "tau");
-  const Eigen::Index at_delay = placeOf(with_delay, "delay");
-  const Eigen::Index at_offset = placeOf(with_delay, "offset");
   LoopFit result = with_delay;
   result.shape.tau = tau.value + delay.value;
   result.shape.delay = 0.0;
   // Variance of the sum from the covariance of the two. A delay that was not fitted has no error.
-  const double of_tau = tau.standard_error;
   const double of_delay = errorOf(delay);
-  const Eigen::MatrixXd& correlated = with_delay.correlation;
   const double variance =
-      of_tau * of_tau + of_delay * of_delay + 2.0 * correlated(at_tau, at_delay) * of_tau * of_delay;
+      tau.standard_error * tau.standard_error + of_delay * of_delay + 2.0 * with_delay.lag_delay_covariance;
   FittedParameter sum = {"tau", "s", result.shape.tau, std::sqrt(std::max(0.0, variance))};
-  sum.half_width = tau.half_width / of_tau * sum.standard_error;
-  result.parameters = {gain, sum, *with_delay.find("offset")};
-  const auto with_sum = [&](Eigen::Index other) {
-    return (correlated(other, at_tau) * of_tau + correlated(other, at_delay) * of_delay) / sum.standard_error;
-  };
-  result.correlation = Eigen::MatrixXd::Identity(3, 3);
-  result.correlation(0, 1) = result.correlation(1, 0) = with_sum(at_gain);
-  result.correlation(1, 2) = result.correlation(2, 1) = with_sum(at_offset);
-  result.correlation(0, 2) = result.correlation(2, 0) = correlated(at_gain, at_offset);
+  sum.half_width = tau.half_width / tau.standard_error * sum.standard_error;
+  result.parameters = {*with_delay.find("gain"), sum, *with_delay.find("offset")};
   LoopPrediction prediction = predictLoop(result, segments);
   result.fit_percent = prediction.fit_percent;
   result.residual_rms = prediction.residual_rms;
   result.prediction = std::move(prediction.prediction);
-  std::size_t outside = 0;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (std::size_t k = 0; k < segments[i].response.size(); ++k) {
-      const double residual = std::abs(segments[i].response[k] - result.prediction[i][k]);
-      outside += residual > kHuberReach * result.residual_scale ? 1 : 0;
-    }
-  }
-  result.outlier_share = static_cast<double>(outside) / static_cast<double>(result.samples);
   return result;
 }
 
@@ -140,9 +104,9 @@ std::vector<std::string> reasonsAgainst(const ControllerModel& model, const std:
   const bool other_unit = gain > 0.0 && (gain < kGainOfOtherUnit || gain > 1.0 / kGainOfOtherUnit);
   if (axis != "thrust" && other_unit) {
     reasons.push_back(
-        reason("The gain of %.3g is that of other units: a loop that reaches its command has about "
-               "1.",
-               gain));
+        sentence("The gain of %.3g is that of other units: a loop that reaches its command has about "
+                 "1.",
+                 gain));
   }
   return reasons;
 }

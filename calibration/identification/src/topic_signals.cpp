@@ -88,7 +88,7 @@ void TopicSignals::add(const BagMessage& message) {
     if (use.angle == FieldUse::Angle::kNone) {
       values_[name++].push_back(use.scale * (*numbers)[at++]);
     } else {
-      values_[name++].push_back(angleOf(quaternion(numbers->data() + at), use.angle));
+      values_[name++].push_back(use.scale * angleOf(quaternion(numbers->data() + at), use.angle));
       at += std::size(kQuaternion);
     }
   }

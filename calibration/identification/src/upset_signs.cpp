@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "flight_signs.hpp"
+#include "quantile.hpp"
 
 namespace polyfly {
 namespace {
@@ -36,8 +38,12 @@ double valueOr(const std::vector<double>& values, std::size_t i, double otherwis
   return values.empty() || !std::isfinite(values[i]) ? otherwise : values[i];
 }
 
-double tiltOf(double roll, double pitch) {
-  return std::acos(std::clamp(std::cos(roll) * std::cos(pitch), -1.0, 1.0));
+// NaN where the attitude is not known.
+std::vector<double> tiltsOf(const FlightGrid& grid) {
+  std::vector<double> tilts(grid.size, std::nan(""));
+  for (std::size_t i = 0; i < grid.size && !grid.roll.empty() && !grid.pitch.empty(); ++i)
+    tilts[i] = std::acos(std::clamp(std::cos(grid.roll[i]) * std::cos(grid.pitch[i]), -1.0, 1.0));
+  return tilts;
 }
 
 // Greatest minus least of the last values up to i, and greatest size.
@@ -102,10 +108,8 @@ bool spins(const FlightGrid& grid, std::size_t i) {
 bool isCalibrated(std::vector<double> force) {
   force.erase(std::remove_if(force.begin(), force.end(), [](double one) { return !std::isfinite(one); }),
               force.end());
-  if (force.empty()) return false;
-  const auto middle = force.begin() + static_cast<std::ptrdiff_t>(force.size() / 2);
-  std::nth_element(force.begin(), middle, force.end());
-  return *middle > kForceLeast * kEarthGravity && *middle < kForceGreatest * kEarthGravity;
+  const double middle = quantileOf(std::move(force));
+  return middle > kForceLeast * kEarthGravity && middle < kForceGreatest * kEarthGravity;
 }
 
 bool falls(const FlightGrid& grid, std::size_t i) {
@@ -127,35 +131,26 @@ bool isHit(const FlightGrid& grid, std::size_t i, bool calibrated) {
 
 UpsetSigns upsetSigns(const FlightGrid& grid) {
   UpsetSigns signs;
-  signs.tilted.assign(grid.size, false);
-  signs.turning = signs.falling = signs.hit = signs.tilted;
-  signs.tilt.assign(grid.size, std::nan(""));
-  signs.rate.assign(grid.size, 0.0);
+  signs.upset.assign(grid.size, false);
+  signs.hit = signs.upset;
   const bool commanded = !grid.roll_cmd.empty() && !grid.pitch_cmd.empty();
-  const bool attitude = !grid.roll.empty() && !grid.pitch.empty();
+  const std::vector<double> tilt = tiltsOf(grid);
   const bool calibrated = isCalibrated(grid.force);
   for (std::size_t i = 0; i < grid.size; ++i) {
-    if (attitude) signs.tilt[i] = tiltOf(grid.roll[i], grid.pitch[i]);
     const Recent roll = recentOf(grid.roll_cmd, i);
     const Recent pitch = recentOf(grid.pitch_cmd, i);
     const double allowed =
         commanded ? std::max(kTiltAllowed, kTiltBeyond + std::hypot(roll.greatest, pitch.greatest))
                   : kTiltUncommanded;
-    signs.tilted[i] = signs.tilt[i] > allowed;
+    // A single sample is an outlier.
+    const bool neighbour =
+        (i > 0 && tilt[i - 1] > kTiltAllowed) || (i + 1 < grid.size && tilt[i + 1] > kTiltAllowed);
+    signs.upset[i] = tilt[i] > allowed && neighbour;
     signs.hit[i] = isHit(grid, i, calibrated);
     if (i < kTurnSteps) continue;
-    const double turn = turned(grid, i);
-    signs.rate[i] = turn / (kTurnSteps * kPhaseStep);
     const double range = kTurnBeyond + kTurnRange * std::hypot(roll.range, pitch.range);
-    signs.turning[i] =
-        turn > (commanded ? std::max(kTurnAllowed, range) : kTurnUncommanded) || spins(grid, i);
-    signs.falling[i] = calibrated && falls(grid, i);
-  }
-  // A single sample is an outlier.
-  for (std::size_t i = 0; i < grid.size; ++i) {
-    const bool neighbour = (i > 0 && signs.tilt[i - 1] > kTiltAllowed) ||
-                           (i + 1 < grid.size && signs.tilt[i + 1] > kTiltAllowed);
-    if (signs.tilted[i] && !neighbour) signs.tilted[i] = false;
+    const bool turns = turned(grid, i) > (commanded ? std::max(kTurnAllowed, range) : kTurnUncommanded);
+    signs.upset[i] = signs.upset[i] || turns || spins(grid, i) || (calibrated && falls(grid, i));
   }
   return signs;
 }

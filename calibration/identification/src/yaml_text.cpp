@@ -1,18 +1,16 @@
 #include "identification/yaml_text.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include "identification/provenance.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 
 std::string yamlNumber(double value) {
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  return sentence("%.6g", value);
 }
 
 std::string provenanceMap(const Provenance& provenance) {
@@ -20,23 +18,29 @@ std::string provenanceMap(const Provenance& provenance) {
          ", recorded: " + yamlString(provenance.recorded) + "}";
 }
 
-std::string vehicleLine(const RecognisedVehicle& vehicle) {
-  return std::string("vehicle: {kind: ") + nameOf(vehicle.kind) + ", reason: " + yamlString(vehicle.reason) +
-         "}\n";
+void writeSentences(const char* key, const std::string& indent, const std::vector<std::string>& sentences,
+                    std::ostream& out) {
+  out << indent << key << ":" << (sentences.empty() ? " []" : "") << "\n";
+  for (const std::string& sentence : sentences) out << indent << "  - " << yamlString(sentence) << "\n";
+}
+
+std::string windowList(const std::vector<TimeWindow>& windows) {
+  std::string text;
+  for (const TimeWindow& window : windows)
+    text += (text.empty() ? "[" : ", [") + yamlNumber(window.from) + ", " + yamlNumber(window.to) + "]";
+  return "[" + text + "]";
+}
+
+std::string vehicleLine(const VehicleKind& vehicle) {
+  return "vehicle: {kind: " + vehicle.name + ", reason: " + yamlString(vehicle.reason) + "}\n";
 }
 
 std::string valueText(double value, double half_width) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.5g", value);
-  std::string result = text;
   // Half width from which on the data say nothing, for any quantity here.
   constexpr double kNoInterval = 1e4;
-  if (std::abs(half_width) < kNoInterval) {
-    std::snprintf(text, sizeof text, " +- %.2g", half_width);
-  } else {
-    std::snprintf(text, sizeof text, " (no interval: the data do not bound it)");
-  }
-  return result + text;
+  return sentence("%.5g", value) + (std::abs(half_width) < kNoInterval
+                                        ? sentence(" +- %.2g", half_width)
+                                        : " (no interval: the data do not bound it)");
 }
 
 }  // namespace polyfly

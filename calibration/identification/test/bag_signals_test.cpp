@@ -130,37 +130,6 @@ class BagSignalsTest : public testing::Test {
   bool same_ = false;
 };
 
-// A voltage must not stand in the way of those who do not ask for it, as two batteries would.
-TEST_F(BagSignalsTest, TakesTheVoltageWhereItIsAskedFor) {
-  const std::string battery = definition("float32 voltage\nfloat32 current");
-  for (const int batteries : {1, 2}) {
-    MadeBag bag;
-    const auto odometry = bag.connect("/odometry", "nav_msgs/Odometry", kOdometry);
-    std::vector<std::uint32_t> places;
-    for (int one = 0; one < batteries; ++one)
-      places.push_back(bag.connect("/battery" + std::to_string(one), "sensor_msgs/BatteryState", battery));
-    for (int i = 0; i < 50; ++i) {
-      const double time = kStart + 0.02 * i;
-      bag.write(odometry, time, odometryMessage(time, 0.01 * i));
-      for (const std::uint32_t place : places)
-        bag.write(place, time,
-                  MessageBytes().header(time).put(place == places[0] ? 15.5F : 15.75F).put(3.0F).bytes);
-    }
-    write(bag.bytes());
-    EXPECT_FALSE(signalsFromBag(path_, {}).signals.has("voltage"));
-    BagSignalOptions options;
-    options.battery = true;
-    if (batteries == 2) {
-      EXPECT_NE(errorOf(options).find("voltage could come from /battery0 or from /battery1"),
-                std::string::npos);
-      options.choice["voltage"] = "/battery1:voltage";
-    }
-    const FlightSignals signals = signalsFromBag(path_, options).signals;
-    EXPECT_EQ(signals.at("voltage").value.front(), batteries == 2 ? 15.75 : 15.5);
-    EXPECT_EQ(signals.at("voltage").time.size(), 50u);
-  }
-}
-
 TEST_F(BagSignalsTest, FindsCommandAndAttitude) {
   writeFlight({"/firefly"});
   const BagSignals bag = signalsFromBag(path_, {});

@@ -64,8 +64,6 @@ TEST(ClockJump, LeavesBothPiecesOfTheFlight) {
     expectTheLoop(model, std::to_string(jump));
     EXPECT_GT(static_cast<double>(model.with_delay.samples),
               0.8 * static_cast<double>(whole.with_delay.samples));
-    // What is laid over the time is as long as the flight, not as the jump.
-    EXPECT_LT(model.choice.activity.time.size(), whole.choice.activity.time.size() + 5);
     for (const LoopSegment& segment : model.segments) EXPECT_LT(segment.duration(), 30.0);
     for (const TimeWindow& window : model.choice.windows) EXPECT_LT(window.to - window.from, 30.0);
   }
@@ -102,7 +100,6 @@ TEST(ClockJump, ToAnotherUnitLeavesWhatIsInSeconds) {
     const AxisModel model =
         identifyAxis(flightWith([unit](double time) { return time < kSet ? time : unit * time; }), {});
     expectTheLoop(model, std::to_string(unit));
-    EXPECT_LT(model.choice.activity.time.size(), 700u);
   }
 }
 

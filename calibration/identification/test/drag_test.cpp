@@ -21,7 +21,7 @@ TEST(Drag, FindsTheDragOfTheRotorsAlongTheBody) {
     MadeMotion made;
     made.gust = 0.03;
     made.drag_turns = true;
-    const auto found = fitDrag(motionOf(makeMotion(made, seed), {})).parameters;
+    const auto found = fitDrag({motionOf(makeMotion(made, seed), {})}).parameters;
     ASSERT_EQ(found.size(), 6u);
     for (const std::size_t axis : {0u, 1u}) {
       const FittedParameter& drag = found[4 + axis];
@@ -41,7 +41,7 @@ TEST(Drag, ADragThatIsNotAboveZeroIsNotSupported) {
     MadeMotion made;
     made.gust = 0.05;
     made.drag.setZero();
-    const MotionFit fit = fitDrag(motionOf(makeMotion(made, seed), {}));
+    const MotionFit fit = fitDrag({motionOf(makeMotion(made, seed), {})});
     for (const FittedParameter& one : fit.parameters) {
       const bool drag = one.name.rfind("drag", 0) == 0;
       EXPECT_TRUE(!drag || one.least() > 0.0 || !one.supported) << one.name;
@@ -58,7 +58,7 @@ TEST(Drag, FindsDragWithinItsInterval) {
     made.gust = 0.03;  // calm air
     MotionOptions options;
     options.mass = kMass;
-    const auto found = fitDrag(motionOf(makeMotion(made, seed), options)).parameters;
+    const auto found = fitDrag({motionOf(makeMotion(made, seed), options)}).parameters;
     ASSERT_EQ(found.size(), 8u);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const FittedParameter& drag = found[2 * axis];
@@ -77,11 +77,11 @@ TEST(Drag, FindsDragWithoutAKnownThrust) {
   made.gust = 0.02;
   FlightSignals signals = makeMotion(made, 2);
   signals.series.erase("thrust_cmd");
-  const auto found = fitDrag(motionOf(signals, {})).parameters;
+  const auto found = fitDrag({motionOf(signals, {})}).parameters;
   ASSERT_EQ(found.size(), 6u);
   EXPECT_NEAR(found[0].value, made.drag.x(), 0.02);
   EXPECT_NEAR(found[2].value, made.drag.y(), 0.02);
-  EXPECT_THROW(fitMass(motionOf(signals, {}), {}), Error);
+  EXPECT_THROW(fitMass({motionOf(signals, {})}, {}), Error);
 }
 
 }  // namespace

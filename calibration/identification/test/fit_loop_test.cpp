@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "identification/excitation.hpp"
+#include "identification/identify_axis.hpp"
 #include "made_flight.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -52,7 +52,6 @@ TEST(FitLoop, FindsKnownParametersWithinStatedIntervals) {
     made.noise = draw(0.002, 0.01);
     made.coloured_noise = draw(0.0, 0.01);
     made.command_rate = draw(20.0, 50.0);
-    made.quantum = 0.005;
     const LoopFit fit = fitMade(made, seed);
     scores["gain"].add(*fit.find("gain"), made.gain);
     scores["tau"].add(*fit.find("tau"), made.tau);
@@ -183,12 +182,20 @@ TEST(ChooseExcitation, TakesWhatMovesAndAnswers) {
   for (std::size_t i = 0; i < record.response.time.size(); ++i) {
     if (record.response.time[i] > 21.0) record.response.value[i] = noise(random);
   }
-  const ExcitationChoice choice = chooseExcitation(record, {});
+  const std::vector<TimeWindow> moves = chooseExcitation(record).windows;
+  ASSERT_EQ(moves.size(), 2u);
+  EXPECT_LT(moves[0].from, 1.0);
+  EXPECT_NEAR(moves[0].to, 21.0, 1.5);
+  EXPECT_GT(moves[1].from, 38.0);
+  AxisRecords records;
+  records.axis = "roll";
+  records.training = record;
+  const ExcitationChoice choice = identifyAxis(records, {}).choice;
   ASSERT_EQ(choice.windows.size(), 1u);
   EXPECT_LT(choice.windows[0].from, 1.0);
-  EXPECT_NEAR(choice.windows[0].to, 21.0, 1.5);
+  EXPECT_LT(choice.windows[0].to, 21.5);
   ASSERT_FALSE(choice.rejected.empty());
-  EXPECT_GT(choice.rejected[0].window.from, 38.0);
+  EXPECT_EQ(choice.rejected.back().window.to, moves[1].to);
 }
 
 }  // namespace

@@ -100,9 +100,9 @@ TEST(FlightPhases, NamesATumbleAtTheEnd) {
   }
 }
 
-TEST(FlightPhases, NamesStandingAndItsSigns) {
+TEST(FlightPhases, NamesStanding) {
   const MadeStretchesFlight flight = flightOf(with(&MadeStretches::stands, 30.0), 2);
-  EXPECT_GT(leftOut(flight, {0.0, 30.0}, "throttle at its least"), 29.0);
+  EXPECT_GT(leftOut(flight, {0.0, 30.0}, "on the ground"), 29.0);
   EXPECT_LT(leftOut(flight, flight.in_air, "ground"), 1.0);
   EXPECT_TRUE(findNonFlight(flight.signals, true).empty()) << "--on-ground uses them";
 }

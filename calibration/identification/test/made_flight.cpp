@@ -10,6 +10,8 @@ namespace {
 
 // Step of the integration [s].
 constexpr double kStep = 1e-3;
+// Shortest pulse of a manoeuvre [s].
+constexpr double kPulse = 0.6;
 // Margin that keeps a time on its side of a switch [s].
 constexpr double kRounding = 1e-9;
 // Correlation time of the coloured noise [s].
@@ -21,8 +23,8 @@ constexpr double kManoeuvre = 4.0 + kPauses;
 // 2-1-1: a pulse of double length, its opposite, and the first again.
 using Amplitudes = std::array<double, 4>;
 
-double commandAt(const MadeLoop& loop, const Amplitudes& amplitudes, double time) {
-  const double pulses = time / loop.pulse;
+double commandAt(const Amplitudes& amplitudes, double time) {
+  const double pulses = time / kPulse;
   const auto manoeuvre = static_cast<std::size_t>(pulses / kManoeuvre);
   const double at = pulses - static_cast<double>(manoeuvre) * kManoeuvre;
   const double amplitude = amplitudes[manoeuvre % amplitudes.size()];
@@ -35,7 +37,7 @@ double commandAt(const MadeLoop& loop, const Amplitudes& amplitudes, double time
 double heldCommand(const MadeLoop& loop, const Amplitudes& amplitudes, double time) {
   const double seen = time - loop.delay;
   if (seen < 0.0) return 0.0;
-  return commandAt(loop, amplitudes,
+  return commandAt(amplitudes,
                    std::floor(seen * loop.command_rate + kRounding) / loop.command_rate + kRounding);
 }
 
@@ -61,41 +63,8 @@ State advance(const MadeLoop& loop, const Amplitudes& amplitudes, const State& s
   const auto mean = [](double a, double b, double c, double d) { return (a + 2.0 * b + 2.0 * c + d) / 6.0; };
   State next =
       moved({mean(k1.value, k2.value, k3.value, k4.value), mean(k1.rate, k2.rate, k3.rate, k4.rate)}, kStep);
-  if (loop.rate_greatest > 0.0) next.rate = std::clamp(next.rate, -loop.rate_greatest, loop.rate_greatest);
   return next;
 }
-
-// Gain, lag and delay as they drift: each an Ornstein-Uhlenbeck process about its value.
-class DriftingLoop {
- public:
-  DriftingLoop(const MadeLoop& loop, std::uint32_t seed) : mean_(loop), now_(loop), random_(seed) {
-    for (double& deviation : deviations_) deviation = loop.drift * normal_(random_);
-    apply();
-  }
-
-  const MadeLoop& now() const { return now_; }
-
-  void step() {
-    if (mean_.drift <= 0.0) return;
-    const double share = kStep / mean_.drift_memory;
-    for (double& deviation : deviations_)
-      deviation += -deviation * share + mean_.drift * std::sqrt(2.0 * share) * normal_(random_);
-    apply();
-  }
-
- private:
-  void apply() {
-    now_.gain = mean_.gain * (1.0 + deviations_[0]);
-    now_.tau = mean_.tau * (1.0 + deviations_[1]);
-    now_.delay = mean_.delay * (1.0 + deviations_[2]);
-  }
-
-  MadeLoop mean_;
-  MadeLoop now_;
-  std::array<double, 3> deviations_{};
-  std::mt19937 random_;
-  std::normal_distribution<double> normal_;
-};
 
 }  // namespace
 
@@ -105,18 +74,16 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
   std::uniform_real_distribution<double> uniform(-0.2, 0.2);
   std::uniform_real_distribution<double> stretch(0.8, 1.2);
   Amplitudes amplitudes = {0.15, -0.25, 0.35, -0.1};
-  for (double& amplitude : amplitudes) amplitude *= loop.size * stretch(random);
+  for (double& amplitude : amplitudes) amplitude *= stretch(random);
   LoopRecord record;
   record.command = {{-1.0}, {0.0}};
   record.source = "made flight";
   for (int i = 0; i < static_cast<int>(loop.duration * loop.command_rate); ++i) {
     const double time = i / loop.command_rate;
-    const double command = commandAt(loop, amplitudes, time + kRounding);
+    const double command = commandAt(amplitudes, time + kRounding);
     record.command.time.push_back(time);
-    record.command.value.push_back(loop.quantum > 0.0 ? loop.quantum * std::round(command / loop.quantum)
-                                                      : command);
+    record.command.value.push_back(command);
   }
-  DriftingLoop drifting(loop, seed + 1);
   State state;
   double drift = 0.0;
   double next = 0.0;
@@ -127,25 +94,11 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
       record.response.value.push_back(state.value + loop.offset + loop.noise * normal(random) + drift);
       next = (++sample + uniform(random)) / loop.response_rate;
     }
-    state = advance(drifting.now(), amplitudes, state, time);
-    drifting.step();
+    state = advance(loop, amplitudes, state, time);
     drift +=
         -drift * kStep / kMemory + loop.coloured_noise * std::sqrt(2.0 * kStep / kMemory) * normal(random);
   }
   return record;
-}
-
-std::vector<LoopRecord> makeFlights(const MadeLoop& vehicle, double spread, int count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<LoopRecord> flights;
-  for (int i = 0; i < count; ++i) {
-    MadeLoop flown = vehicle;
-    for (double* one : {&flown.gain, &flown.tau, &flown.delay}) *one *= 1.0 + spread * normal(random);
-    flights.push_back(makeFlight(flown, random()));
-    flights.back().source = "flight " + std::to_string(i + 1);
-  }
-  return flights;
 }
 
 }  // namespace polyfly::test

@@ -18,58 +18,11 @@ using test::kMass;
 using test::MadeMotion;
 using test::makeMotion;
 
-TEST(Motion, FindsTheHeadingMisalignmentWithinItsInterval) {
-  int inside = 0;
-  constexpr int kFlights = 20;
-  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
-    // The attitude tells a yaw that is less by `truth` than that of the motion.
-    const double truth = 0.02 * static_cast<double>(seed) - 0.2;
-    FlightSignals signals = makeMotion({}, seed);
-    for (double& yaw : signals.series["yaw"].value) yaw -= truth;
-    const MotionFit fit = fitHeading(motionOf(signals, {}));
-    const FittedParameter& angle = fit.parameters.front();
-    EXPECT_EQ(angle.name, "heading_misalignment");
-    EXPECT_TRUE(angle.supported);
-    EXPECT_NEAR(angle.value, truth, 0.04);
-    inside += angle.least() <= truth && truth <= angle.greatest() ? 1 : 0;
-    const bool warned = !fit.warnings.empty();
-    EXPECT_TRUE(warned || std::abs(truth) < 0.07) << truth;
-    EXPECT_TRUE(!warned || std::abs(truth) > 0.001) << truth;
-  }
-  EXPECT_GE(inside, kFlights * 9 / 10 - 1);
-}
-
-TEST(Motion, TooLittleTiltTellsNoHeading) {
-  FlightSignals signals = makeMotion({}, 1);
-  for (const char* name : {"roll", "pitch"}) {
-    for (double& value : signals.series[name].value) value *= 0.001;
-  }
-  const MotionFit fit = fitHeading(motionOf(signals, {}));
-  EXPECT_FALSE(fit.parameters.front().supported);
-  EXPECT_FALSE(fit.warnings.empty());
-}
-
-TEST(Motion, AHeadingThatDriftsOrAScaleThatIsOffIsNotSupported) {
-  FlightSignals signals = makeMotion({}, 1);
-  TimeSeries& yaw = signals.series["yaw"];
-  for (std::size_t i = 0; i < yaw.time.size(); ++i) yaw.value[i] -= 0.003 * yaw.time[i];
-  MotionFit fit = fitHeading(motionOf(signals, {}));
-  EXPECT_FALSE(fit.parameters.front().supported);
-  EXPECT_NE(fit.warnings.at(0).find("a heading drifts"), std::string::npos);
-  signals = makeMotion({}, 1);
-  for (const char* name : {"vx", "vy"}) {
-    for (double& value : signals.series[name].value) value *= 3.28;
-  }
-  fit = fitHeading(motionOf(signals, {}));
-  EXPECT_FALSE(fit.parameters.front().supported);
-  EXPECT_NE(fit.warnings.at(0).find("of another unit"), std::string::npos);
-}
-
 TEST(Motion, FindsMassAndHoverThrust) {
   MadeMotion made;
   MotionOptions options;
   options.drag = made.drag;
-  const auto found = fitMass(motionOf(makeMotion(made, 3), options), options).parameters;
+  const auto found = fitMass({motionOf(makeMotion(made, 3), options)}, options).parameters;
   EXPECT_NEAR(found[0].value, kMass, 0.01 * kMass);
   EXPECT_LE(found[0].least(), kMass);
   EXPECT_GE(found[0].greatest(), kMass);
@@ -145,7 +98,7 @@ TEST(Motion, SaysThatTheVehicleStands) {
   const auto warnings = checkMotion(motionOf(signals, {}));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("hardly moves"), std::string::npos);
-  const MotionFit drag = fitDrag(motionOf(signals, {}));
+  const MotionFit drag = fitDrag({motionOf(signals, {})});
   EXPECT_GE(drag.warnings.size(), 1u);
 }
 
@@ -156,7 +109,7 @@ TEST(Motion, TellsNoMassFromAShareOfFullThrust) {
   for (double& value : signals.series["thrust_cmd"].value) value /= full;
   MotionOptions options;
   options.drag = made.drag;
-  const MotionFit found = fitMass(motionOf(signals, options), options);
+  const MotionFit found = fitMass({motionOf(signals, options)}, options);
   ASSERT_EQ(found.parameters.size(), 1u);
   EXPECT_EQ(found.parameters[0].name, "hover_command");
   EXPECT_NEAR(found.parameters[0].value, 0.5, 0.01);
@@ -174,13 +127,12 @@ TEST(Motion, TracesShowWhatTheModelLeaves) {
   const Motion motion = motionOf(makeMotion(made, 7), options);
   const std::vector<MotionTrace> traces = disturbanceTraces(motion, options);
   ASSERT_EQ(traces.size(), 3u);
-  const MotionFit drag = fitDrag(motion);
+  const MotionFit drag = fitDrag({motion});
   double before = 0.0;
   double after = 0.0;
   for (std::size_t i = 0; i < motion.time.size(); ++i) {
     before += std::pow(traces[0].measured[i] - traces[0].modelled[i], 2);
     after += std::pow(drag.traces[0].measured[i] - drag.traces[0].modelled[i], 2);
-    EXPECT_EQ(drag.traces[0].depends[i], motion.velocity(static_cast<Eigen::Index>(i), 0));
   }
   EXPECT_LT(after, before);
 }
@@ -217,6 +169,58 @@ TEST(Motion, ABoundBeyondGravityIsNotSupported) {
   EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& sentence) {
     return sentence.find("beyond gravity") != std::string::npos;
   }));
+}
+
+// Three flights of one vehicle whose drag along x is not the same, each with a clock of its own.
+std::vector<Motion> threeFlights(const MotionOptions& options) {
+  std::vector<Motion> flights;
+  for (const std::uint32_t flight : {1u, 2u, 3u}) {
+    MadeMotion made;
+    made.duration = 60.0;
+    made.gust = 0.03;
+    made.drag.x() *= 0.7 + 0.15 * flight;
+    FlightSignals signals = makeMotion(made, flight);
+    signals.source = "flight" + std::to_string(flight) + ".csv";
+    for (auto& [name, series] : signals.series) {
+      for (double& time : series.time) time += 1e5 * flight;
+    }
+    flights.push_back(motionOf(signals, options));
+  }
+  return flights;
+}
+
+TEST(SeveralMotions, GiveTheMeanOfTheirNumbers) {
+  MotionOptions options;
+  options.mass = kMass;
+  const std::vector<Motion> flights = threeFlights(options);
+  const MotionFit drag = fitDrag(flights);
+  ASSERT_EQ(drag.flights.size(), 3u);
+  const double truth = MadeMotion().drag.x();
+  ASSERT_EQ(drag.parameters[0].name, "drag_x");
+  EXPECT_NEAR(drag.parameters[0].value, truth, 0.02);
+  EXPECT_GE(drag.parameters[0].half_width, 0.5 * (drag.flights[2][0].value - drag.flights[0][0].value));
+  EXPECT_EQ(drag.traces.size(), 9u);
+  EXPECT_EQ(drag.traces.front().name.find("flight1.csv: "), 0u);
+  const MotionFit mass = fitMass(threeFlights({}), {});
+  EXPECT_NEAR(mass.parameters[0].value, kMass, 0.01);
+  EXPECT_NEAR(mass.parameters[1].value, kMass * kGravity, 0.1);
+}
+
+TEST(SeveralMotions, AreBoundedTogether) {
+  const std::vector<Motion> flights = threeFlights({});
+  const Motion together = joined(flights);
+  EXPECT_EQ(together.starts.size(), 4u);
+  EXPECT_EQ(static_cast<std::size_t>(together.velocity.rows()), together.time.size());
+  EXPECT_TRUE(std::is_sorted(together.time.begin(), together.time.end()));
+  EXPECT_GT(boundDisturbance(together, {}, {})[0].independent_samples,
+            1.5 * boundDisturbance(flights[0], {}, {})[0].independent_samples);
+}
+
+TEST(SeveralMotions, MustBeAlikeInTheirThrust) {
+  std::vector<Motion> flights = threeFlights({});
+  flights[1].lift_is_share = true;
+  EXPECT_THROW(joined(flights), Error);
+  EXPECT_THROW(fitMass(flights, {}), Error);
 }
 
 }  // namespace

@@ -10,12 +10,10 @@ namespace {
 
 using Style = Series::Style;
 
-constexpr double kDegree = 57.29577951308232;
 constexpr const char* kRejectedColor = "#f6dcd3";
 // Of the models for a controller, in their order.
 constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen,
                                         palette::kPurple};
-constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
 
 // First time of the record, from which figures of a record since 1970 count [s].
 double startOf(const AxisModel& axis) {
@@ -55,10 +53,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   result.heading = axis.axis + ": what was used";
   result.caption =
       "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.";
-  if (!axis.flights.empty()) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
-  for (std::size_t i = 0; i < axis.flights.size(); ++i)
-    panel.marks.push_back({axis.flights[i].begins, "flight " + std::to_string(i + 1), palette::kGrey});
   for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
   for (const RejectedWindow& rejected : axis.choice.rejected) {
     panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
@@ -78,19 +73,9 @@ ReportFigure selectionFigure(const AxisModel& axis) {
     command.style = Style::kSteps;
     panel.series.push_back(thinned(withGaps(command), kCurvePoints));
   }
-  Panel activity = timePanel("", "activity [" + axis.command_unit + "]");
-  Series curve;
-  curve.x = axis.choice.activity.time;
-  curve.y = axis.choice.activity.value;
-  curve.label = "deviation of the command over 2 s";
-  if (!curve.x.empty()) {
-    activity.series = {thinned(withGaps(curve), kCurvePoints)};
-    activity.bounds = {{axis.choice.threshold, "threshold"}};
-  }
   std::vector<Panel> panels = {panel};
-  if (!activity.series.empty()) panels.push_back(activity);
   countFrom(start, &panels);
-  result.figure = pageFigure(std::move(panels), row_height::kPaired);
+  result.figure = pageFigure(std::move(panels), row_height::kAlone);
   return result;
 }
 
@@ -122,65 +107,6 @@ ReportFigure comparisonFigure(
   return result;
 }
 
-ReportFigure frequencyFigure(const AxisModel& axis) {
-  ReportFigure result;
-  result.heading = axis.axis + ": frequency response";
-  result.caption =
-      "Measured (dots, where at least a tenth of the response is linear in the command) and modelled gain "
-      "and phase; "
-      "coherence is the share of the response that is linear in the command.";
-  std::vector<Panel> panels(3);
-  constexpr const char* kLabels[] = {"gain", "phase [°]", "coherence"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    panels[i].x_label = "frequency [Hz]";
-    panels[i].y_label = kLabels[i];
-    panels[i].log_x = true;
-    panels[i].legend_below = true;
-  }
-  Series gain;
-  gain.style = Style::kPoints;
-  gain.width = 4.0;
-  gain.label = "measured";
-  gain.color = kMeasuredColor;
-  Series phase = gain;
-  Series coherence;
-  coherence.color = palette::kPurple;
-  for (const FrequencyPoint& point : axis.frequency_response) {
-    coherence.x.push_back(point.frequency);
-    coherence.y.push_back(point.coherence);
-    if (point.coherence < kLeastCoherence) continue;
-    gain.x.push_back(point.frequency);
-    gain.y.push_back(point.gain);
-    phase.x.push_back(point.frequency);
-    phase.y.push_back(point.phase * kDegree);
-  }
-  panels[0].series = {gain};
-  panels[1].series = {phase};
-  panels[2].series = {coherence};
-  panels[2].y_range = {{0.0, 1.05}};
-  const auto add_model = [&](const LoopFit& fit, const std::string& label, const char* color) {
-    Series model_gain;
-    model_gain.label = label;
-    model_gain.color = color;
-    Series model_phase = model_gain;
-    for (const FrequencyPoint& point : axis.frequency_response) {
-      const FrequencyPoint model = modelFrequencyResponse(fit, point.frequency);
-      model_gain.x.push_back(point.frequency);
-      model_gain.y.push_back(model.gain);
-      model_phase.x.push_back(point.frequency);
-      model_phase.y.push_back(model.phase * kDegree);
-    }
-    panels[0].series.push_back(model_gain);
-    panels[1].series.push_back(model_phase);
-  };
-  for (std::size_t i = 0; i < axis.controller_models.size(); ++i) {
-    const ControllerModel& model = axis.controller_models[i];
-    add_model(model.fit, model.title, kModelColors[i % std::size(kModelColors)]);
-  }
-  result.figure = pageFigure(std::move(panels), row_height::kView, 3);
-  return result;
-}
-
 }  // namespace
 
 std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
@@ -198,13 +124,11 @@ std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
   if (axis.validation) {
     figures.push_back(comparisonFigure(
         axis.axis + ": validation",
-        axis.validation->by_flights ? "Each flight with the models of the others, which have not seen it."
-        : axis.validation->by_halves
+        axis.validation->by_halves
             ? "The models of the first half of the data on the second half, which they have not seen."
             : "The models on " + axis.validation->source + ", which they have not seen.",
         axis, axis.validation->segments, validated));
   }
-  if (!axis.frequency_response.empty()) figures.push_back(frequencyFigure(axis));
   return figures;
 }
 

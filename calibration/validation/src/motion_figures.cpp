@@ -1,20 +1,11 @@
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <functional>
 
 #include "report_parts.hpp"
 #include "validation/motion_report.hpp"
 
 namespace polyfly {
 namespace {
-
-using Style = Series::Style;
-
-// Greatest number of dots of a scatter plot.
-constexpr std::size_t kScatterDots = 3000;
-constexpr std::size_t kCirclePoints = 180;
-constexpr std::size_t kModelPoints = 80;
-constexpr std::size_t kQuantilePoints = 400;
 
 std::vector<double> residualOf(const MotionTrace& trace) {
   std::vector<double> residual(trace.measured.size());
@@ -45,12 +36,9 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
   ReportFigure result;
   result.heading = "What was used";
   result.caption =
-      calibration.curve
-          ? "The thrust command of the log; shaded: the stretches that the numbers come from."
-          : "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
-  if (calibration.data.size() > 1) result.caption += " One flight after the other, with pauses between.";
-  Panel panel = timePanel("", calibration.curve ? "thrust command" : "velocity [m/s]");
-  const MotionTrace& trace = calibration.traces.front();
+      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
+  Panel panel = timePanel("", "velocity [m/s]");
+  const MotionTrace& trace = calibration.fit.traces.front();
   for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
     if (trace.starts[i + 1] > trace.starts[i])
       panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
@@ -90,128 +78,15 @@ ReportFigure timeFigure(const MotionTrace& trace, const DisturbanceBound* bound)
   return result;
 }
 
-// Quantiles of the residual.
-Panel quantilePanel(const MotionTrace& trace, const DisturbanceBound* bound) {
-  std::vector<double> sorted = residualOf(trace);
-  std::sort(sorted.begin(), sorted.end());
-  Panel panel;
-  panel.x_label = "share of the time below [%]";
-  panel.y_label = withUnit("measured − modelled", trace.unit);
-  Series series;
-  series.style = Style::kLine;
-  series.color = palette::kBlue;
-  const std::size_t points = std::min(kQuantilePoints, sorted.size());
-  for (std::size_t i = 0; i < points; ++i) {
-    const double share = points > 1 ? static_cast<double>(i) / static_cast<double>(points - 1) : 0.5;
-    series.x.push_back(100.0 * share);
-    series.y.push_back(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
-  }
-  panel.series = {series};
-  if (bound != nullptr) panel.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
-  return panel;
-}
-
-Panel scatterPanel(const MotionTrace& trace) {
-  Panel panel;
-  panel.legend_below = true;
-  panel.x_label = trace.against;
-  panel.y_label = withUnit("measured, modelled", trace.unit);
-  Series dots;
-  dots.style = Style::kPoints;
-  dots.label = "measured";
-  dots.color = kMeasuredColor;
-  dots.width = 3.0;
-  Series line;
-  line.label = "model";
-  line.color = palette::kVermilion;
-  const std::size_t stride = trace.depends.size() / kScatterDots + 1;
-  for (std::size_t i = 0; i < trace.depends.size(); i += stride) {
-    dots.x.push_back(trace.depends[i]);
-    dots.y.push_back(trace.measured[i]);
-  }
-  // Every model here is a function of what it depends on.
-  std::vector<std::size_t> order(trace.depends.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&trace](std::size_t one, std::size_t other) {
-    return trace.depends[one] < trace.depends[other];
-  });
-  for (std::size_t i = 0; i < kModelPoints && !order.empty(); ++i) {
-    const std::size_t place = order[i * (order.size() - 1) / (kModelPoints - 1)];
-    line.x.push_back(trace.depends[place]);
-    line.y.push_back(trace.modelled[place]);
-  }
-  panel.series = {dots, line};
-  return panel;
-}
-
-ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
-  ReportFigure result;
-  result.heading = trace.name + ": distribution";
-  result.caption =
-      trace.against.empty()
-          ? "Quantiles: how much of the time the disturbance lies below a value."
-          : "Left, quantiles: how much of the time the residual lies below a value; right, each sample and "
-            "the model against what it depends on.";
-  std::vector<Panel> panels = {quantilePanel(trace, bound)};
-  if (!trace.against.empty()) panels.push_back(scatterPanel(trace));
-  const auto columns = static_cast<int>(panels.size());
-  result.figure = pageFigure(std::move(panels), row_height::kView, columns);
-  return result;
-}
-
-// Velocities over ground lie on a circle about the wind, as wide as the airspeed.
-ReportFigure circleFigure(const MotionCalibration& calibration) {
-  ReportFigure result;
-  result.heading = "The wind triangle";
-  result.caption =
-      "Velocity over ground (dots), and the circle of the mean airspeed, scaled, about the wind that was "
-      "found (cross of the dashed lines). Dots on one side only: wind and scale cannot be told apart.";
-  Series dots;
-  dots.style = Style::kPoints;
-  dots.label = "velocity over ground";
-  dots.color = kMeasuredColor;
-  dots.width = 3.0;
-  const std::size_t stride = calibration.north.size() / kScatterDots + 1;
-  for (std::size_t i = 0; i < calibration.north.size(); i += stride) {
-    dots.x.push_back(calibration.east[i]);
-    dots.y.push_back(calibration.north[i]);
-  }
-  const std::vector<double>& speed = calibration.traces.front().modelled;
-  double radius = 0.0;
-  for (const double one : speed) radius += one / static_cast<double>(speed.size());
-  const double north = calibration.parameters[0].value;
-  const double east = calibration.parameters[1].value;
-  Series circle;
-  circle.label = "airspeed about the wind";
-  circle.color = palette::kVermilion;
-  for (std::size_t i = 0; i <= kCirclePoints; ++i) {
-    const double angle = 6.283185307179586 * static_cast<double>(i) / kCirclePoints;
-    circle.x.push_back(east + radius * std::sin(angle));
-    circle.y.push_back(north + radius * std::cos(angle));
-  }
-  Panel panel;
-  panel.x_label = "east [m/s]";
-  panel.y_label = "north [m/s]";
-  panel.equal_axes = true;
-  panel.series = {dots, circle};
-  panel.bounds = {{north, "wind", palette::kGreen}};
-  panel.marks = {{east, "", palette::kGreen}};
-  result.figure = pageFigure({panel}, row_height::kSquare);
-  return result;
-}
-
 }  // namespace
 
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration) {
   std::vector<ReportFigure> figures;
-  if (calibration.traces.empty()) return figures;
-  figures.push_back(selectionFigure(calibration));
-  if (!calibration.north.empty() && calibration.parameters.size() >= 2)
-    figures.push_back(circleFigure(calibration));
-  for (std::size_t i = 0; i < calibration.traces.size(); ++i) {
+  if (calibration.fit.traces.empty()) return figures;
+  if (!calibration.record.empty()) figures.push_back(selectionFigure(calibration));
+  for (std::size_t i = 0; i < calibration.fit.traces.size(); ++i) {
     const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
-    figures.push_back(timeFigure(calibration.traces[i], bound));
-    figures.push_back(distributionFigure(calibration.traces[i], bound));
+    figures.push_back(timeFigure(calibration.fit.traces[i], bound));
   }
   return figures;
 }

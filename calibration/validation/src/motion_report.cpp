@@ -11,84 +11,29 @@ namespace {
 
 std::vector<std::string> sentencesOf(const MotionCalibration& calibration) {
   std::vector<std::string> sentences = calibration.remarks;
-  sentences.insert(sentences.end(), calibration.warnings.begin(), calibration.warnings.end());
+  sentences.insert(sentences.end(), calibration.fit.warnings.begin(), calibration.fit.warnings.end());
   for (const DisturbanceBound& bound : calibration.bounds) {
     for (const std::string& warning : bound.warnings) sentences.push_back("d_" + bound.axis + ": " + warning);
   }
   return sentences;
 }
 
-// What each of several flights says.
-void writeFlights(const MotionCalibration& calibration, std::ostream& out) {
-  if (calibration.flights.empty()) {
-    out << "<p>The intervals hold for this flight alone.</p>";
-    return;
-  }
-  out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
-      << calibration.flights.size()
-      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th>";
-  for (const FittedParameter& parameter : calibration.parameters)
-    out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
-  out << "</tr>\n";
-  for (std::size_t i = 0; i < calibration.flights.size(); ++i) {
-    out << "<tr><td>" << escaped(calibration.data[i].file) << "</td>";
-    for (const FittedParameter& parameter : calibration.flights[i])
-      out << "<td>" << valueWithin(parameter) << "</td>";
-    out << "</tr>\n";
-  }
-  out << "</table></div>";
-}
-
 void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>" << escaped(calibration.kind)
-      << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>standard "
-         "error</th><th>95 % interval</th><th>supported</th></tr>\n";
-  for (const FittedParameter& parameter : calibration.parameters) {
+      << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>95 % "
+         "interval</th><th>supported</th></tr>\n";
+  for (const FittedParameter& parameter : calibration.fit.parameters) {
     out << (parameter.supported && isBounded(parameter) ? "<tr><td>" : "<tr class='bad'><td>")
         << escaped(parameter.name) << "</td><td>" << number(parameter.value, 4) << " "
-        << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
-        << number(parameter.standard_error, 2) << "</td><td>" << intervalText(parameter) << "</td><td>"
-        << (parameter.supported ? "yes" : "no") << "</td></tr>\n";
+        << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>" << intervalText(parameter)
+        << "</td><td>" << (parameter.supported ? "yes" : "no") << "</td></tr>\n";
   }
   out << "</table></div>";
-  writeFlights(calibration, out);
+  std::vector<FlightNumbers> flights;
+  for (std::size_t i = 0; i < calibration.fit.flights.size(); ++i)
+    flights.push_back({calibration.data[i].file, calibration.fit.flights[i]});
+  writeFlights(flights, out);
   out << "</section>\n";
-}
-
-// The polynomial, where it holds, and what speaks against it.
-void writeCurve(const IdentifiedCurve& curve, std::ostream& out) {
-  out << "<section><h2>thrust: curve " << supportMark(curve.supported()) << "</h2><p>command =";
-  for (std::size_t i = 0; i < curve.polynomial.size(); ++i) {
-    const double factor = curve.polynomial[i];
-    out << (i == 0         ? " "
-            : factor < 0.0 ? " − "
-                           : " + ")
-        << number(i == 0 ? factor : std::abs(factor), 5) << (i == 0 ? "" : " F")
-        << (i > 1 ? "<sup>" + std::to_string(i) + "</sup>" : "");
-  }
-  out << ", F in N. " << escaped(validityOf(curve)) << "</p><p>Fit " << number(curve.fit_percent)
-      << " %, on data that the model was not fitted to " << number(curve.validation_percent)
-      << " %. The thrust lags by " << number(curve.lag) << " s, behind a delay of " << number(curve.delay)
-      << " s. Mass " << number(curve.mass, 4) << " kg.</p><ul>";
-  for (const std::string& reason : curve.reasons) out << "<li>" << escaped(reason) << "</li>";
-  out << "</ul><div class='scroll'><table><tr><th>parameter</th><th>at the thrust [N]</th></tr>\n";
-  for (std::size_t i = 0; i < curve.thrusts.size(); ++i)
-    out << "<tr><td>command_" << i + 1 << "</td><td>" << number(curve.thrusts[i], 4) << "</td></tr>\n";
-  out << "</table></div></section>\n";
-}
-
-// How much of the time the disturbance lies below a value.
-void writeQuantiles(const MotionCalibration& calibration, std::ostream& out) {
-  out << "<h3>Quantiles</h3><div class='scroll'><table><tr><th>axis</th>";
-  for (const auto& [share, value] : calibration.bounds.front().quantiles)
-    out << "<th>" << number(100.0 * share) << " %</th>";
-  out << "</tr>\n";
-  for (const DisturbanceBound& bound : calibration.bounds) {
-    out << "<tr><td>" << escaped(bound.axis) << "</td>";
-    for (const auto& [share, value] : bound.quantiles) out << "<td>" << number(value) << "</td>";
-    out << "</tr>\n";
-  }
-  out << "</table></div>";
 }
 
 void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
@@ -105,7 +50,6 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
         << "</td></tr>\n";
   }
   out << "</table></div>";
-  writeQuantiles(calibration, out);
   out << "</section>\n";
 }
 
@@ -115,8 +59,7 @@ std::string toHtml(const MotionCalibration& calibration) {
   std::ostringstream out;
   writeCalibrationHead(calibration.data, sentencesOf(calibration), out);
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
-  if (calibration.curve) writeCurve(*calibration.curve, out);
-  if (!calibration.parameters.empty()) writeParameters(calibration, out);
+  if (!calibration.fit.parameters.empty()) writeParameters(calibration, out);
   for (const ReportFigure& figure : motionFigures(calibration)) writeFigureSection(figure, out);
   out << kPageEnd;
   return out.str();

@@ -10,6 +10,7 @@
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
+#include "report_parts.hpp"
 
 namespace polyfly {
 namespace {
@@ -135,6 +136,22 @@ std::string intervalText(const FittedParameter& parameter) {
 std::string valueWithin(const FittedParameter& parameter) {
   if (isLeastDelay(parameter) || !isBounded(parameter)) return number(parameter.value);
   return number(parameter.value) + " ± " + number(parameter.half_width, 2);
+}
+
+void writeFlights(const std::vector<FlightNumbers>& flights, std::ostream& out) {
+  if (flights.empty()) return;
+  out << "<h3>What each flight says</h3><p>The numbers above are the means of " << flights.size()
+      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th>";
+  for (const FittedParameter& parameter : flights.front().parameters)
+    out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
+  out << "</tr>\n";
+  for (const FlightNumbers& flight : flights) {
+    out << "<tr><td>" << escaped(flight.file) << "</td>";
+    for (const FittedParameter& parameter : flight.parameters)
+      out << "<td>" << valueWithin(parameter) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "</table></div>\n";
 }
 
 std::string supportMark(bool supported) {

@@ -40,6 +40,15 @@ std::string intervalText(const FittedParameter& parameter);
 /// The value and half of its interval, or the value alone where the data do not bound it.
 std::string valueWithin(const FittedParameter& parameter);
 
+/// What one of several flights says.
+struct FlightNumbers {
+  std::string file;
+  std::vector<FittedParameter> parameters;
+};
+
+/// A table of several flights, which have the same parameters. Writes nothing if there is none.
+void writeFlights(const std::vector<FlightNumbers>& flights, std::ostream& out);
+
 /// Mark behind a heading: whether the data support what it stands over.
 std::string supportMark(bool supported);
 

@@ -9,8 +9,7 @@
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, 7> kCalibrationKinds = {"attitude", "drag",    "disturbance", "mass",
-                                                          "thrust",   "heading", "wind"};
+constexpr std::array<const char*, 4> kCalibrationKinds = {"attitude", "drag", "disturbance", "mass"};
 // Value of the key polyfly_calibration.
 constexpr int kCalibrationFormat = 1;
 
@@ -20,8 +19,8 @@ std::string kindOf(const YamlField& root) {
   root.at("polyfly_calibration").integer(kCalibrationFormat, kCalibrationFormat);
   const YamlField kind = root.at("kind");
   if (std::find(kCalibrationKinds.begin(), kCalibrationKinds.end(), kind.text()) == kCalibrationKinds.end())
-    kind.fail("must be attitude, drag, disturbance, mass, thrust, heading or wind, got '" + kind.text() +
-              "'");
+    kind.fail("must be attitude, drag, disturbance or mass, got '" + kind.text() +
+              "'; thrust, heading and wind are written by hand, see calibration/README.md");
   return kind.text();
 }
 
@@ -114,17 +113,6 @@ std::pair<double, double> CalibrationDocument::intervalOf(const std::string& nam
   const std::vector<YamlField> ends = interval.items();
   if (ends.size() != 2) interval.fail("must be [least, greatest]");
   return {ends[0].number(), ends[1].number()};
-}
-
-double CalibrationDocument::nonzeroParameter(const std::string& name, const char* meaning) const {
-  const double value = supported({"parameters", name}, "value");
-  if (file_.force) return value;
-  const auto [least, greatest] = intervalOf(name);
-  if (!(least > 0.0 || greatest < 0.0)) {
-    at({"parameters", name, "interval_95"})
-        .fail(std::string("must not hold 0: ") + meaning + " (calibrate apply --force takes the number)");
-  }
-  return value;
 }
 
 double CalibrationDocument::positiveParameter(const std::string& name) const {

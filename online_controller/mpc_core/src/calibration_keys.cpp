@@ -51,18 +51,16 @@ void checkAxisFlight(const YamlField& flight) {
 }
 
 void checkAttitudeAxis(const YamlField& axis) {
-  axis.checkKeys(
-      {}, {"unit", "supported", "model", "model_without_delay", "model_second_order",
-           "model_second_order_without_delay", "greatest_rate", "hover_command", "interval_holds_for", "flights", "windows",
-           "left_out", "samples", "validation", "with_delay", "without_delay", "second_order", "warnings"});
+  axis.checkKeys({}, {"unit", "supported", "model", "model_without_delay", "model_second_order",
+                      "model_second_order_without_delay", "greatest_rate", "hover_command",
+                      "interval_holds_for", "flights", "windows", "left_out", "samples", "validation",
+                      "with_delay", "without_delay", "second_order", "warnings"});
   for (const char* model :
        {"model", "model_without_delay", "model_second_order", "model_second_order_without_delay"}) {
     if (!axis.has(model)) continue;
     axis.at(model).checkKeys({}, {"gain", "tau", "delay", "offset", "a0", "a1", "b0", "intervals_95",
                                   "fit_percent", "validation_percent", "supported", "reasons"});
   }
-  if (axis.has("greatest_rate"))
-    axis.at("greatest_rate").checkKeys({"value", "supported"}, {"interval_95", "moves", "reasons"});
   if (axis.has("validation")) {
     axis.at("validation")
         .checkKeys({}, {"training_percent", "validation_percent", "by_halves", "by_flights"});
@@ -102,11 +100,8 @@ void checkDisturbance(const YamlField& root) {
 }
 
 constexpr std::initializer_list<const char*> kMotionParameters = {
-    "drag_x",        "drag_y",     "drag_z",    "drag_forward",   "drag_left",
-    "offset_x",      "offset_y",   "offset_z",  "mass",           "hover_thrust",
-    "hover_command", "wind_north", "wind_east", "airspeed_scale", "heading_misalignment",
-    "command_1",     "command_2",  "command_3", "command_4",      "voltage_exponent",
-    "drift",         "drag_climb"};
+    "drag_x",   "drag_y",   "drag_z", "drag_forward", "drag_left",    "offset_x",
+    "offset_y", "offset_z", "mass",   "hover_thrust", "hover_command"};
 
 void checkParameters(const YamlField& root) {
   const YamlField parameters = root.at("parameters");
@@ -128,16 +123,6 @@ void checkMotion(const YamlField& root) {
   checkParameters(root);
 }
 
-void checkThrust(const YamlField& root) {
-  root.checkKeys(
-      {"polyfly_calibration", "kind", "data", "curve", "parameters"},
-      {"tool_version", "vehicle", "windows", "interval_holds_for", "remarks", "flights", "warnings"});
-  root.at("curve").checkKeys({"polynomial", "thrusts", "mass"},
-                             {"supported", "reasons", "voltage", "voltage_range", "voltage_matters", "lag",
-                              "delay", "fit_percent", "validation_percent"});
-  checkParameters(root);
-}
-
 }  // namespace
 
 void checkCalibrationKeys(const YamlField& root, const std::string& kind) {
@@ -145,8 +130,6 @@ void checkCalibrationKeys(const YamlField& root, const std::string& kind) {
     checkAttitude(root);
   } else if (kind == "disturbance") {
     checkDisturbance(root);
-  } else if (kind == "thrust") {
-    checkThrust(root);
   } else {
     checkMotion(root);
   }

@@ -118,7 +118,8 @@ class ExciteWing(unittest.TestCase):
 
         bag, result = os.path.join(self.folder, "wing.bag"), os.path.join(self.folder, "roll.yaml")
         recorder.write(bag)
-        told = subprocess.run([find_node("calibration", "calibrate")[0], "attitude", bag, "--axis", "roll", "-o", result],
+        told = subprocess.run([find_node("calibration", "calibrate")[0], "attitude", bag, "--axis", "roll",
+                               "--vehicle", "fixed_wing", "-o", result],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=PATIENCE)
         self.assertEqual(told.returncode, 0, told.stdout)
         with open(result) as file:

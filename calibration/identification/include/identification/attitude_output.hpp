@@ -15,7 +15,7 @@ struct AttitudeCalibration {
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> training;
   std::optional<Provenance> validation;
-  RecognisedVehicle vehicle;
+  VehicleKind vehicle;
   std::vector<AxisModel> axes;
   /// True: parts of a flight's record are lost. The remarks say which.
   bool lossy = false;
@@ -28,6 +28,9 @@ std::string toYaml(const AttitudeCalibration& calibration);
 
 /// The numbers for people, with the warnings.
 std::string toText(const AttitudeCalibration& calibration);
+
+/// The answer on an axis in one line, and in another one how sure it is.
+std::string answerOf(const AxisModel& axis);
 
 /// What was left out of the axis, a clause for each reason; of several flights with the file.
 std::vector<std::string> leftOutClauses(const AxisModel& axis);

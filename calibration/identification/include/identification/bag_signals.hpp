@@ -18,8 +18,6 @@ struct BagSignalOptions {
   /// Signal to `topic:path.of.a.number`, or `topic:path.of.a.quaternion.roll` (or pitch, yaw).
   /// `:deg` after a number makes radians of degrees.
   std::map<std::string, std::string> choice;
-  /// True: take the battery's voltage too.
-  bool battery = false;
   std::function<void(double)> progress;  ///< share of the file that was read
   /// Asked where two topics could give a signal: the index of the one, or none. Error if there is nobody.
   std::function<std::optional<std::size_t>(const std::string& question,
@@ -44,7 +42,7 @@ struct BagSignals {
 /// - sensor_msgs/Imu;
 /// - attitude in geometry_msgs/TransformStamped, or in a PoseStamped on a topic called pose that is no command or
 ///   setpoint, with velocities in geometry_msgs/TwistStamped on a topic called velocity_local.
-/// Topics of a ground_truth come last. The battery's voltage is in sensor_msgs/BatteryState or mavros_msgs/BatteryStatus.
+/// Topics of a ground_truth come last.
 ///
 /// Times are those of the headers; where there are none, or where a header's clock jumps against the recorder's, those
 /// of the recorder. Throws Error naming file, topic and rule: two topics for one signal, a chosen topic or field that

@@ -40,8 +40,6 @@ struct FittedParameter {
   double half_width = 0.0;
   /// Whether the data are sufficient to use the value.
   bool supported = true;
-  /// Standard deviation between flights, where there are several; otherwise 0.
-  double between_flights = 0.0;
   /// Lower end of the 95 % confidence interval.
   double least() const { return value - half_width; }
   /// Upper end of the 95 % confidence interval.
@@ -56,16 +54,14 @@ struct LoopFit {
   double offset = 0.0;
   /// First order: gain, tau, delay; second: a0, a1, b0, delay; offset.
   std::vector<FittedParameter> parameters;
-  /// Correlation of the parameters, in their order.
-  Eigen::MatrixXd correlation;
+  /// Covariance of tau and delay [s^2]; 0 where the delay is not fitted.
+  double lag_delay_covariance = 0.0;
   /// Fit 100 (1 - |y - model| / |y - mean y|) over all segments [%].
   double fit_percent = 0.0;
   /// Root mean square of the residuals, in the response's unit.
   double residual_rms = 0.0;
   /// Robust standard deviation of the residuals.
   double residual_scale = 0.0;
-  /// Share of the samples that the loss weighs down.
-  double outlier_share = 0.0;
   std::size_t samples = 0;
   /// Predicted response of each segment, at its samples.
   std::vector<std::vector<double>> prediction;

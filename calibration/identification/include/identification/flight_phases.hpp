@@ -19,7 +19,7 @@ namespace polyfly {
 /// neither attitude nor velocity is sampled at least twice per second. The times of the signals may jump.
 std::vector<RejectedWindow> findNonFlight(const FlightSignals& signals, bool on_ground = false);
 
-/// For each reason a clause with its times: "55.2 .. 60 s: upset (tilt up to 170 deg)".
+/// For each reason a clause with its times: "55.2 .. 60 s: upset, not commanded".
 std::vector<std::string> clausesOn(const std::vector<RejectedWindow>& left_out);
 
 /// The same, to end the sentence of an error with. Empty where the user gave windows, which are used as they are.

@@ -26,7 +26,6 @@ namespace polyfly {
 /// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
 /// | specific_force_x, specific_force_y | along the body's x and y, by the accelerometer [m/s^2] |
 /// | height | up positive, above any level [m] |
-/// | voltage | of the battery [V] |
 ///
 /// Rates of the gyro, specific_force_x and _y, and the height serve to check the others only: units
 /// (signal_units.hpp), and where the vehicle flies (flight_phases.hpp).
@@ -47,16 +46,34 @@ struct FlightSignals {
   std::vector<RejectedWindow> not_flight;
   /// Columns, topics or tables of the file, whatever they hold.
   std::vector<std::string> places;
-  /// Kind of the vehicle as the log or the user names it. recogniseVehicle tells the others.
-  RecognisedVehicle vehicle;
+  VehicleKind vehicle;
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.
   const TimeSeries& at(const std::string& name) const;
 };
 
+/// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
+TimeWindow spanOf(const FlightSignals& flight);
+
+/// Goes on with the next piece of a recording. Its units must be those of the piece before.
+void append(FlightSignals piece, FlightSignals* recording);
+
 /// All names that FlightSignals knows.
 const std::vector<std::string>& signalNames();
+
+/// A place as the user names it: `-PLACE:deg` turns the sign and makes radians of degrees.
+struct ChosenPlace {
+  std::string place;
+  double sign = 1.0;
+  bool in_degrees = false;
+
+  /// From the value at the place to that of the signal.
+  double factor() const;
+};
+
+/// Throws Error where FlightSignals knows no such signal.
+ChosenPlace chosenPlace(const std::string& signal, const std::string& text);
 
 /// The signal without samples that cannot be used (see cleaned). Empty if there is none.
 TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name);

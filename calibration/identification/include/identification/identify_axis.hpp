@@ -6,8 +6,6 @@
 
 #include "identification/excitation.hpp"
 #include "identification/fit_loop.hpp"
-#include "identification/frequency_response.hpp"
-#include "identification/greatest_rate.hpp"
 #include "identification/loop_record.hpp"
 #include "identification/model_support.hpp"
 
@@ -35,28 +33,10 @@ struct IdentifyOptions {
   std::vector<TimeWindow> windows;
   /// Windows of the validation record. Empty: chooseExcitation chooses them.
   std::vector<TimeWindow> validation_windows;
-  ExcitationSearchOptions excitation;
   /// Bounds of the fit. Order and with_delay are set for each model.
   FitOptions fit;
   /// Whether to fit a second-order model too.
   bool second_order = false;
-};
-
-/// What one of several flights says of an axis.
-struct AxisFlight {
-  std::string source;
-  /// Where its record begins on the clock of all flights [s].
-  double begins = 0.0;
-  /// Windows that were used, in the flight's own time [s].
-  std::vector<TimeWindow> windows;
-  /// What was not used, in the flight's own time.
-  std::vector<RejectedWindow> left_out;
-  /// Parameters of the flight's own model with delay.
-  std::vector<FittedParameter> parameters;
-  /// Fit of the flight's own model [%].
-  double fit_percent = 0.0;
-  /// Fit of the other flights' model on this flight [%].
-  double validation_percent = 0.0;
 };
 
 struct AxisModel {
@@ -64,26 +44,18 @@ struct AxisModel {
   std::string unit;
   std::string command_unit;
   std::string source;
-  double smoothing = 0.0;  ///< [s]
   CleaningCounts cleaning;
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;
-  /// The flights, if there are several. Empty: the intervals hold for the only flight.
-  std::vector<AxisFlight> flights;
+  /// What each flight says, if there are several: then record, choice and segments stand there only.
+  std::vector<AxisModel> flights;
   /// First-order model of Eq. 37 with a delay.
   LoopFit with_delay;
-  /// First-order model of Eq. 37 without a delay.
-  LoopFit without_delay;
-  /// Second-order model of Eq. 45 with a delay.
-  std::optional<LoopFit> second_order;
-  /// With a second-order model: the greatest rate, of all flights.
-  std::optional<GreatestRate> greatest_rate;
   /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
   /// What controllers can be given, each with its own evaluation: of thrust only `model`.
   std::vector<ControllerModel> controller_models;
-  std::vector<FrequencyPoint> frequency_response;
   /// Time by which the response leads its command [s]; 0 where it does not.
   double lead = 0.0;
   /// Sentences on what the data do not support.
@@ -91,7 +63,7 @@ struct AxisModel {
   /// Whether the model that problem files take is supported: the one without delay, of thrust the one with.
   bool supported = true;
 
-  /// Time that was used [s].
+  /// Time that was used, of all flights [s].
   double usedTime() const;
   /// Time in which the command moves: what was used, and what was left out because the response does not follow [s].
   double movingTime() const;

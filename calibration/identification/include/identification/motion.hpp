@@ -50,6 +50,10 @@ struct Motion {
 /// when no stretch is long enough, or when a mass is given and thrust_cmd is such a share.
 Motion motionOf(const FlightSignals& signals, const MotionOptions& options);
 
+/// The motions of flights one after the other, with pauses. Throws Error where they differ in what thrust_cmd is. At least
+/// one flight.
+Motion joined(const std::vector<Motion>& flights);
+
 /// Sentences on what makes any result of this motion doubtful: the vehicle hardly moved, or did not
 /// accelerate where it tilted (frame, sign).
 std::vector<std::string> checkMotion(const Motion& motion);
@@ -59,15 +63,11 @@ struct MotionTrace {
   /// Name of the quantity that is compared.
   std::string name;
   std::string unit;
-  /// Quantity that the model depends on, with its unit. Empty: nothing is drawn.
-  std::string against;
   std::vector<double> time;  ///< [s]
   /// First sample of each stretch, and the number of samples, as in Motion.
   std::vector<std::size_t> starts;
   std::vector<double> measured;
   std::vector<double> modelled;
-  /// Values of `against`, one for each time. Empty if `against` is empty.
-  std::vector<double> depends;
 };
 
 /// What acts along one axis and the model does not explain.
@@ -84,8 +84,6 @@ struct DisturbanceBound {
   double confidence = 0.0;
   /// Number of independent samples that would tell as much as the record.
   double independent_samples = 0.0;
-  /// Shares and their quantiles [m/s^2].
-  std::vector<std::pair<double, double>> quantiles;
   /// Warnings as sentences.
   std::vector<std::string> warnings;
   /// True: the confidence is reached, checkMotion finds the motion sound, and no bound exceeds gravity.
@@ -114,33 +112,19 @@ struct MotionFit {
   std::vector<FittedParameter> parameters;
   std::vector<MotionTrace> traces;
   std::vector<std::string> warnings;  ///< sentences
-};
-
-/// The wind triangle's, with the velocity over ground that it was fitted to.
-struct WindFit : MotionFit {
-  std::vector<double> north;  ///< [m/s]
-  std::vector<double> east;   ///< [m/s]
+  /// Parameters of each flight, if there are several.
+  std::vector<std::vector<FittedParameter>> flights;
 };
 
 /// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s]. Each has the mean
 /// disturbance beside it; names drag_x, offset_x, and so on. Then those of the rotors along the body's heading and to
-/// its left, with one mean disturbance in W; names drag_forward, drag_left.
-MotionFit fitDrag(const Motion& motion);
-
-/// Heading misalignment: the angle about z up, from the direction in which the attitude tilts the thrust to that of
-/// the measured acceleration [rad]. Its name is heading_misalignment. Velocities of an odometry and an attitude whose
-/// frames agree give 0. Warns where it is not 0, and where the vehicle tilts too little. With the thrust's own scale,
-/// an isotropic drag and a mean disturbance as further unknowns.
-MotionFit fitHeading(const Motion& motion);
+/// its left, with one mean disturbance in W; names drag_forward, drag_left. Of several flights the means (meanParameters); pictures are those
+/// of each flight. At least one flight.
+MotionFit fitDrag(const std::vector<Motion>& flights);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
 /// [N]; names mass, hover_thrust. Of a command that is a share of full thrust only hover_command, with a
-/// warning. Throws Error if there is no thrust_cmd.
-MotionFit fitMass(const Motion& motion, const MotionOptions& options);
-
-/// Wind and scale of the airspeed from velocity over ground and airspeed alone (wind triangle without
-/// heading): |v_ground - w| = scale * airspeed. Names wind_north, wind_east [m/s], airspeed_scale. Warns
-/// where the flight did not turn enough, or the scale is none of a sensor in flight. Throws Error.
-WindFit fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows);
+/// warning. Of several flights the means, as in fitDrag. Throws Error if there is no thrust_cmd.
+MotionFit fitMass(const std::vector<Motion>& flights, const MotionOptions& options);
 
 }  // namespace polyfly

@@ -6,48 +6,33 @@
 
 #include "identification/motion.hpp"
 #include "identification/provenance.hpp"
-#include "identification/thrust_fit.hpp"
 #include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
-/// What `calibrate disturbance`, `drag`, `mass`, `thrust`, `heading` or `wind` found; bounds of the first, parameters of
-/// the others.
+/// What `calibrate disturbance`, `drag` or `mass` found; bounds of the first, parameters of the others.
 struct MotionCalibration {
   std::string kind;
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> data;
-  RecognisedVehicle vehicle;
-  /// Sentences on what was wrong with the file.
+  VehicleKind vehicle;
   /// True: parts of a flight's record are lost. The remarks say which.
   bool lossy = false;
+  /// Sentences on what was wrong with the files.
   std::vector<std::string> remarks;
   /// Windows that were used, one list for each flight. Empty: the whole record.
   std::vector<std::vector<TimeWindow>> windows;
   BoundOptions limits;
   std::vector<DisturbanceBound> bounds;
-  std::vector<FittedParameter> parameters;
-  /// The curve of `thrust`.
-  std::optional<IdentifiedCurve> curve;
-  /// Parameters of each flight, if there are several.
-  std::vector<std::vector<FittedParameter>> flights;
-  /// Warnings as sentences.
-  std::vector<std::string> warnings;
-
-  // For the pictures of the report; not in YAML or text.
-  std::vector<MotionTrace> traces;
-  /// Velocities of the whole record [m/s], or the thrust command, by name.
+  /// Parameters of drag or mass; of a disturbance only pictures and warnings.
+  MotionFit fit;
+  /// Velocities of the whole record of a single flight, by name [m/s]; for the page only.
   std::vector<std::pair<std::string, TimeSeries>> record;
-  /// Velocity over ground, for `wind` only [m/s].
-  std::vector<double> north, east;
 };
 
 /// As YAML; `disturbances` of a bound has the form that problem and model files take. The same input gives
 /// the same bytes.
 std::string toYaml(const MotionCalibration& calibration);
-
-/// Sentences on where a curve holds: thrusts, and the voltage if it is known.
-std::string validityOf(const IdentifiedCurve& curve);
 
 /// For people.
 std::string toText(const MotionCalibration& calibration);

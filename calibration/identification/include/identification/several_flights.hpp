@@ -13,22 +13,15 @@ struct AxisFlightRecords {
   std::vector<TimeWindow> windows;
 };
 
-/// One model of one axis from several flights of a vehicle. Each flight is identified on its own. The values
-/// are the random-effects means over the flights, and their intervals hold the spread between flights
-/// (poolFlights). Record, segments, pictures and warnings are those of all flights together on one clock:
-/// the first begins at 0 s, the others follow with pauses. Unless `options` bring a record for validation,
-/// each flight is validated with the model of the others. So are the models for a controller, which are judged
-/// with these means and intervals. What is no flight is left out of each. A flight without a usable stretch
-/// is left out with a warning. If one flight is left, the result is that of identifyAxis. Throws Error if none
-/// is left.
+/// One model of one axis from several flights of a vehicle. Each flight is identified on its own, and kept in `flights`.
+/// The numbers are their means (meanParameters). The fit is that of the mean on the flight that it fits worst. Unless the
+/// records bring one for validation, each flight is validated with the mean of the others: the least counts. A flight
+/// without a usable stretch is left out with a warning. Of one flight the result is that of identifyAxis. Throws Error if
+/// none is left.
 AxisModel identifyFlights(const std::vector<AxisFlightRecords>& flights, const IdentifyOptions& options);
 
-/// The mean over several flights of one model, with intervals that hold the spread between flights: values,
-/// shape, gain and offset. All else is that of `fit`: the same model, with the same parameters. At least two
-/// flights.
-LoopFit poolFits(LoopFit fit, const std::vector<LoopFit>& flights);
-
-/// Means over flights of parameters with the same names in the same order. At least two flights.
-std::vector<FittedParameter> poolParameters(const std::vector<std::vector<FittedParameter>>& flights);
+/// Means over flights of parameters with the same names in the same order. Half of an interval is the greatest of those
+/// of the flights, and at least half the spread of the values. At least one flight.
+std::vector<FittedParameter> meanParameters(const std::vector<std::vector<FittedParameter>>& flights);
 
 }  // namespace polyfly

@@ -8,8 +8,7 @@
 
 namespace polyfly {
 
-/// The figures of one axis: intervals used; measurement, model and residuals for identification and for validation;
-/// frequency response with coherence.
+/// The figures of one axis: intervals used; measurement, model and residuals for identification and for validation.
 std::vector<ReportFigure> identificationFigures(const AxisModel& axis);
 
 /// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.

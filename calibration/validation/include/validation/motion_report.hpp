@@ -8,9 +8,8 @@
 
 namespace polyfly {
 
-/// The pictures of a disturbance, drag, mass, thrust, heading or wind. One shows what was used of the flight. Each
-/// trace has measured against model over time with residuals, their quantiles, and the model against what it depends
-/// on. Wind has the circle of velocities.
+/// The pictures of a disturbance, drag or mass. One shows what was used of the flight. Each trace has measured
+/// against model over time, with residuals.
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration);
 
 /// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.

@@ -49,9 +49,6 @@ class CalibrationDocument {
   /// negative value is refused by force too.
   double positiveParameter(const std::string& name) const;
 
-  /// The same of a fitted parameter of any sign, whose interval must not hold 0; `meaning` says what it would mean.
-  double nonzeroParameter(const std::string& name, const char* meaning) const;
-
   /// The ends of `range` of each disturbance, by the letter of its axis; requireSupport({"axes", letter}) tells
   /// whether the data support them.
   std::vector<std::pair<std::string, std::pair<double, double>>> disturbances() const;
