@@ -112,13 +112,13 @@ Flight fly(const std::function<double(const State&, int, bool&)>& filter) {
   Flight flight;
   std::srand(1);
   State x;
-  for (double& entry : x) entry = noise(kFirstNoise);
+  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = noise(kFirstNoise);
   for (int sample = 0; sample < kPrograms; ++sample) {
     bool answered = false;
     const double a = filter(x, sample, answered);
     if (!answered) ++flight.unanswered;
     x = successor(x, a);
-    for (double& entry : x) entry += noise(kNoise);
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += noise(kNoise);
     if (x.cwiseAbs().maxCoeff() > kGreatest) ++flight.outside;
   }
   return flight;

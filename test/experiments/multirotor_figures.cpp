@@ -52,7 +52,7 @@ void writeSample(std::ostream& file, double time, const VehicleState& truth, con
   file << time;
   for (const Eigen::Vector3d& triple :
        {truth.position, reference.position, truth.velocity, reference.velocity}) {
-    for (const double value : triple) file << ',' << value;
+    file << ',' << triple.x() << ',' << triple.y() << ',' << triple.z();
   }
   file << ',' << angles.roll << ',' << angles.pitch << ',' << angles.yaw << ',' << wrapAngle(reference.yaw)
        << ',' << report.command.roll << ',' << report.command.pitch << ',' << report.command.thrust << ','

@@ -153,8 +153,8 @@ TEST(DelayPredictor, FollowsLoopsOfSecondOrder) {
     }
     VehicleState state;
     state.stamp = kPeriod * 8;
-    const VectorXd y =
-        (VectorXd(4) << 0.0, 0.0, small * unit(random), 10.0 * small * unit(random)).finished();
+    VectorXd y = VectorXd::Zero(4);
+    for (const Eigen::Index k : {2, 3}) y[k] = (k == 2 ? small : 10.0 * small) * unit(random);
     state.attitude = Eigen::AngleAxisd(y(2), Vector3d::UnitX());
     state.angular_velocity.x() = y(3);
     const VectorXd exact =

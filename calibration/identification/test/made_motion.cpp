@@ -45,9 +45,9 @@ FlightSignals makeMotion(const MadeMotion& made, std::uint32_t seed, std::vector
     if (made.drag_turns) turn << std::cos(yaw), -std::sin(yaw), 0, std::sin(yaw), std::cos(yaw), 0, 0, 0, 1;
     velocity += kStep * (thrust / kMass * up - Eigen::Vector3d(0.0, 0.0, kGravity) -
                          turn * made.drag.asDiagonal() * turn.transpose() * velocity + disturbance + more);
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      disturbance[i] +=
-          -disturbance[i] * kStep / kMemory + made.gust * std::sqrt(2.0 * kStep / kMemory) * normal(random);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      disturbance[axis] += -disturbance[axis] * kStep / kMemory +
+                           made.gust * std::sqrt(2.0 * kStep / kMemory) * normal(random);
     }
   }
   return signals;

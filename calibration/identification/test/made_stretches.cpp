@@ -180,8 +180,9 @@ class Simulation {
       angle_[axis] += kTimeStep * rate_[axis];
       if (onGround()) angle_[axis] = 0.01;
     }
-    for (double& gust : gust_)
-      gust += -gust * kTimeStep / kGustMemory + noise(kGustSize * std::sqrt(2.0 * kTimeStep / kGustMemory));
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      gust_[axis] += -gust_[axis] * kTimeStep / kGustMemory +
+                     noise(kGustSize * std::sqrt(2.0 * kTimeStep / kGustMemory));
     if (onGround()) {
       velocity_.setZero();
       return;

@@ -62,8 +62,9 @@ TEST(SpeedScaling, KeepsTheOptimumOfASimilarFlight) {
     EXPECT_NEAR(scaling.step, 0.1 * scale, 1e-12);
     const LateralWeights scaled = scaledWeights(weights, scaling, 1e9);
     for (int i = 0; i < 20; ++i) {
-      LateralState state;
-      state << 0.0, offset(random), angle(random), angle(random), angle(random), 0.0;
+      LateralState state = LateralState::Zero();
+      state[1] = offset(random);
+      for (Eigen::Index k = 2; k < 5; ++k) state[k] = angle(random);
       LateralState similar = state;
       similar.head<2>() *= scale * scale;
       similar[LateralIndex::kRollRate] /= scale;

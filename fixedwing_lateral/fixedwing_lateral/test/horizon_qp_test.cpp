@@ -134,7 +134,8 @@ void fill(HorizonQp& qp, Draw& draw, double stiffness) {
 
 VectorXd start(Draw& draw, double roll = 0.3) {
   VectorXd x_0(5);
-  x_0 << draw(1.0), draw(1.0), draw(0.1), draw(roll), draw(0.5);
+  Eigen::Index k = 0;
+  for (const double size : {1.0, 1.0, 0.1, roll, 0.5}) x_0[k++] = draw(size);
   return x_0;
 }
 

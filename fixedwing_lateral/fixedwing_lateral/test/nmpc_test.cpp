@@ -79,8 +79,10 @@ Scene drawScene(std::mt19937& random) {
         ArcSegment{circle.centre, circle.radius, TurnDirection::kLeft, 3.0 * unit(random), 4.0};
   }
   scene.data.conditions.gate = SwitchGate(scene.data.current, SwitchCriterion{}, "scene");
-  scene.state << 60.0 + 80.0 * unit(random), 30.0 * unit(random), 0.4 * unit(random), 1.2 * unit(random),
-      0.4 * unit(random), 0.0;
+  Eigen::Index k = 0;
+  for (const double size : {80.0, 30.0, 0.4, 1.2, 0.4}) scene.state[k++] = size * unit(random);
+  scene.state[0] += 60.0;
+  scene.state[5] = 0.0;
   return scene;
 }
 

@@ -58,8 +58,11 @@ class NonlinearMpcTest : public testing::Test {
   Eigen::Vector3d vector(double limit) { return {uniform(limit), uniform(limit), uniform(limit)}; }
 
   MultirotorState randomState() {
+    // Drawn one by one: GCC before 11 evaluates the operands of Eigen's comma from right to left.
+    const Eigen::Vector3d position = vector(2.0), velocity = vector(3.0);
+    const double roll = uniform(0.6), pitch = uniform(0.6);
     MultirotorState x;
-    x << vector(2.0), vector(3.0), uniform(0.6), uniform(0.6);
+    x << position, velocity, roll, pitch;
     return x;
   }
   MultirotorInput randomInput() { return {uniform(0.4), uniform(0.4), 9.8 + uniform(4.0)}; }

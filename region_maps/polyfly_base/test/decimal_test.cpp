@@ -83,7 +83,8 @@ TEST(Decimal, ShortestTextIsReadAsTheNumber) {
     const std::uint64_t bits = random();
     double value = 0.0;
     std::memcpy(&value, &bits, sizeof value);
-    if (std::isfinite(value)) EXPECT_EQ(numberOf(shortestText(value)), value);
+    if (!std::isfinite(value)) continue;
+    EXPECT_EQ(numberOf(shortestText(value)), value);
   }
 }
 
