@@ -45,7 +45,7 @@ SHORT = {"figure": {"laps": 1, "yaw_turn": 2.0, "hold_time": 2.0}}
 
 
 def problem_text(name):
-    with open(os.path.join(rospkg.RosPack().get_path("region_maps"), "problems", name + ".yaml")) as file:
+    with open(os.path.join(os.path.realpath(rospkg.RosPack().get_path("region_maps")), "..", "problems", name + ".yaml")) as file:
         return file.read()
 
 

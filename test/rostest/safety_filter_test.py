@@ -81,7 +81,7 @@ class SafetyFilterLoopTest(unittest.TestCase):
         rospy.init_node("safety_filter_test")
         cls.folder = tempfile.mkdtemp(prefix="polyfly_filter_")
         cls.map = os.path.join(cls.folder, "fence_x.map")
-        problem = os.path.join(rospkg.RosPack().get_path("region_maps"), "problems", "safety", "fence_x.yaml")
+        problem = os.path.join(os.path.realpath(rospkg.RosPack().get_path("region_maps")), "..", "problems", "safety", "fence_x.yaml")
         subprocess.run([find_node("offline_mpt", "offline_mpt")[0], "solve", problem, "-o", cls.map], check=True)
         rospy.set_param(SPACE + "/safety_filter", {"maps": {"x": cls.map}, "silence_periods": 100.0, "stale_periods": 100.0})
         cls.node = subprocess.Popen([find_node("online_controller", "safety_filter_node")[0], "__ns:=" + SPACE, "__name:=safety_filter"])
