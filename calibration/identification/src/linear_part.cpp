@@ -134,7 +134,7 @@ Eigen::MatrixXd LinearPart::columns() const {
 
 double robustScale(const Eigen::VectorXd& residuals) {
   const Eigen::VectorXd sizes = residuals.cwiseAbs();
-  return kMedianToDeviation * quantileOf({sizes.begin(), sizes.end()});
+  return kMedianToDeviation * quantileOf({sizes.data(), sizes.data() + sizes.size()});
 }
 
 }  // namespace polyfly
