@@ -36,13 +36,8 @@ class BadOptions : public testing::Test {
 
 TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
   int seen = 0;
-  for (const Words& command : std::vector<Words>{{"solve"},
-                                                 {"verify"},
-                                                 {"reduce"},
-                                                 {"diff"},
-                                                 {"analyze"},
-                                                 {"bounds"},
-                                                 {"set", "invariant"}}) {
+  for (const Words& command : std::vector<Words>{
+           {"solve"}, {"verify"}, {"reduce"}, {"diff"}, {"analyze"}, {"bounds"}, {"set", "invariant"}}) {
     Words help = command;
     help.emplace_back("--help");
     std::istringstream lines(run(OFFLINE_MPT_PROGRAM, help).out);

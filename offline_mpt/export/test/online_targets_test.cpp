@@ -11,7 +11,9 @@
 namespace polyfly {
 namespace {
 
-std::string harness(const std::string& name) { return projectRoot() + "/region_maps/region_maps/export/test/" + name; }
+std::string harness(const std::string& name) {
+  return projectRoot() + "/region_maps/region_maps/export/test/" + name;
+}
 
 OnlineCode solverCode(ExportType type) {
   const ParametricProgram program =

@@ -111,9 +111,10 @@ TEST_F(SetCommand, BadInputIsRefusedInOneLine) {
        {"set", "set nothing box.yaml", "set invariant missing.yaml", "set invariant box.yaml",
         "set invariant model.yaml --tolerance 1", "set invariant model.yaml -o missing/out.json",
         "set volume box.yaml", "set minkowski box.yaml box.yaml -o sum.json", "set invariant other.yaml",
-        "analyze scalar.map --model model.yaml --within bad.yaml", "analyze scalar.map", "analyze scalar.map --model other.yaml",
-        "analyze scalar.map --model box.yaml", "analyze scalar.map --model model.yaml --within box.yaml",
-        "analyze scalar.json --model model.yaml", "analyze scalar.map --model model.yaml --tolerance -1"}) {
+        "analyze scalar.map --model model.yaml --within bad.yaml", "analyze scalar.map",
+        "analyze scalar.map --model other.yaml", "analyze scalar.map --model box.yaml",
+        "analyze scalar.map --model model.yaml --within box.yaml", "analyze scalar.json --model model.yaml",
+        "analyze scalar.map --model model.yaml --tolerance -1"}) {
     const Outcome result = run(words);
     EXPECT_EQ(result.exit_code, 2) << words << "\n" << result.out << result.err;
     EXPECT_EQ(result.out, "") << words;

@@ -46,10 +46,7 @@ std::uint64_t bytesOf(std::uint32_t members) {
 class TreeGrower {
  public:
   TreeGrower(const TreeRegions& regions, const TreeOptions& options)
-      : regions_(regions),
-        options_(options),
-        splitter_(regions, options),
-        limit_(regions, options) {}
+      : regions_(regions), options_(options), splitter_(regions, options), limit_(regions, options) {}
 
   SearchTree run() {
     addCell(splitter_.whole());

@@ -5,7 +5,10 @@
 namespace polyfly {
 
 ExplorationState::ExplorationState(const NormalisedProgram& program)
-    : found(memory), tight(memory), regions(program.p, static_cast<int>(program.U.rows()), memory), unresolved(&memory) {}
+    : found(memory),
+      tight(memory),
+      regions(program.p, static_cast<int>(program.U.rows()), memory),
+      unresolved(&memory) {}
 
 void copyNumbers(const Region& region, double* out) {
   *out++ = region.radius;

@@ -6,8 +6,8 @@
 
 #include "explore/region/compute_region.hpp"
 #include "explore/state/region_store.hpp"
-#include "support/arena.hpp"
 #include "program/normalised_program.hpp"
+#include "support/arena.hpp"
 
 namespace polyfly {
 

@@ -100,8 +100,8 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          (flash.atmega328p == 0 ? "" : ", \"atmega328p\": " + number(flash.atmega328p)) + "}" +
          ",\n  \"stack_bytes\": " + number(exportStackBytes(map, options)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": " + workText(map, bound.work) +
-         ",\n  \"error_bound\": " + errorList(bound) +
-         ",\n  \"margin\": " + roundedUp(bound.margin) + allowanceFacts(bound) + "\n}\n";
+         ",\n  \"error_bound\": " + errorList(bound) + ",\n  \"margin\": " + roundedUp(bound.margin) +
+         allowanceFacts(bound) + "\n}\n";
 }
 
 }  // namespace polyfly
