@@ -6,39 +6,18 @@
 
 namespace {
 
-/// Commands and options that are gone, and what is said of them.
-struct Removed {
-  std::vector<std::string> names;
-  std::string text;
-};
-
-/// What was removed is not listed. It takes any arguments, and is refused.
-void addRemoved(CLI::App& app, const Removed& removed) {
-  for (const std::string& name : removed.names) {
-    const auto refuse = [text = name + ": " + removed.text] { throw polyfly::Error(text); };
-    if (name.rfind("--", 0) == 0) {
-      app.add_option_function<std::string>(name, [refuse](const std::string&) { refuse(); })
-          ->expected(0, 1)
-          ->group("");
-      continue;
-    }
-    CLI::App* command = app.add_subcommand(name, "")->group("");
-    command->allow_extras()->prefix_command();
-    command->callback(refuse);
-  }
-}
-
-void addRemoved(CLI::App& app) {
-  addRemoved(app, {{"count"},
-                   "was removed; 'solve --region-limit N' ends with exit code 3 where there are more than N "
-                   "regions"});
+void addRemovedCommands(CLI::App& app) {
+  using polyfly::addRemoved;
+  addRemoved(app, {"count"},
+             "was removed; 'solve --region-limit N' ends with exit code 3 where there are more than N "
+             "regions");
   addRemoved(*app.get_subcommand("set"),
-             {{"check", "contains", "equal", "image", "info", "intersect", "minimal", "minkowski",
-               "pontryagin", "preimage", "project", "subset", "support", "vertices", "volume"},
-              "was removed; 'set invariant' stays, and polytope_sets/exact_polytope.hpp computes with "
-              "polytopes in C++"});
-  addRemoved(*app.get_subcommand("reduce"), {{"--merge"}, polyfly::kNoMerge});
-  addRemoved(*app.get_subcommand("reduce"), {{"--separate"}, polyfly::kNoSeparate});
+             {"check", "contains", "equal", "image", "info", "intersect", "minimal", "minkowski",
+              "pontryagin", "preimage", "project", "subset", "support", "vertices", "volume"},
+             "was removed; 'set invariant' stays, and polytope_sets/exact_polytope.hpp computes with "
+             "polytopes in C++");
+  addRemoved(*app.get_subcommand("reduce"), {"--merge"}, polyfly::kNoMerge);
+  addRemoved(*app.get_subcommand("reduce"), {"--separate"}, polyfly::kNoSeparate);
 }
 
 const char kMainFooter[] =
@@ -83,7 +62,7 @@ int main(int argc, char** argv) {
   polyfly::addSet(app, exit_code);
   polyfly::addTerminalSet(app, exit_code);
   polyfly::addBounds(app, exit_code);
-  addRemoved(app);
+  addRemovedCommands(app);
   // Of the processes of a launcher, which all fail alike, one speaks.
   return polyfly::runTool(
       app, argc, argv, [&] { return static_cast<int>(exit_code); }, polyfly::launchedRank() == 0);

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "polyfly_base/decimal.hpp"
+#include "polyfly_base/error.hpp"
 #include "polyfly_base/version.hpp"
 #include "polyfly_base/visible.hpp"
 
@@ -197,6 +198,21 @@ CLI::Validator byteCount(std::uint64_t least) {
                ", such as 500M or 4G";
       },
       "BYTES");
+}
+
+void addRemoved(CLI::App& app, const std::vector<std::string>& names, const std::string& text) {
+  for (const std::string& name : names) {
+    const auto refuse = [sentence = name + ": " + text] { throw Error(sentence); };
+    if (name.rfind("--", 0) == 0) {
+      app.add_option_function<std::string>(name, [refuse](const std::string&) { refuse(); })
+          ->expected(0, 1)
+          ->group("");
+      continue;
+    }
+    CLI::App* command = app.add_subcommand(name, "")->group("");
+    command->allow_extras()->prefix_command();
+    command->callback(refuse);
+  }
 }
 
 CLI::Validator oneOf(const std::vector<std::string>& words) {

@@ -22,6 +22,10 @@ constexpr int kBadUsage = 2;
 int runTool(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& work,
             bool speaks = true);
 
+/// Commands, and options that begin with "--", that are gone. They are not listed, take any arguments, and are refused with
+/// `NAME: text`, which says what to use instead.
+void addRemoved(CLI::App& app, const std::vector<std::string>& names, const std::string& text);
+
 /// Whole numbers in decimal digits, from `least` to `greatest`. CLI11 alone would wrap -1 around.
 CLI::Validator wholeNumber(std::uint64_t least, std::uint64_t greatest);
 
