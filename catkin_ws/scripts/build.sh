@@ -75,12 +75,12 @@ buildCommand() {
   say "For ROS: source build/catkin/devel/setup.bash"
 }
 
-# catkinIsolated: a copy of the project in a workspace outside of it, each package built by itself, as `catkin build` does. What is to be seen is that each finds its siblings' headers, messages and libraries, so files are preprocessed only.
+# catkinIsolated: a copy of the project in a workspace outside of it, each package built by itself, as `catkin build` does.
+# What is to be seen is that each finds its siblings' headers, messages and libraries, so files are preprocessed only.
 catkinIsolated() {
   local folder status=0
   folder=$(mktemp -d) || return
-  mkdir -p "$folder/src/polyfly"
-  tar --create --exclude=./build --exclude=./.git . | tar --extract --directory "$folder/src/polyfly"
+  copyTree "$folder/src/polyfly" || return
   (
     cd "$folder" || exit
     catkin init

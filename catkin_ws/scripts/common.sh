@@ -21,6 +21,13 @@ own() {
   fi
 }
 
+# copyTree FOLDER: the files of this tree, without git's and what was built.
+copyTree() {
+  mkdir -p "$1"
+  tar --create --exclude=./.git --exclude=./build --exclude=./catkin_ws/build --exclude=./catkin_ws/devel . |
+    tar --extract --directory "$1"
+}
+
 # takeLock: one ./run at a time in a tree; a ./run started by another is part of it.
 takeLock() {
   [ -z "${POLYFLY_RUN_LOCKED:-}" ] || return 0

@@ -7,7 +7,7 @@ packages=build/packages
 copySources() {
   mkdir -p "$packages/source"
   find "$packages/source" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} + || return
-  tar -c --exclude=./build --exclude=./.git --exclude=./catkin_ws/build --exclude=./catkin_ws/devel . | tar -x -C "$packages/source" || return
+  copyTree "$packages/source" || return
   fillInMaintainer "$packages/source"
 }
 
