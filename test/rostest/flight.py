@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 
 import rosbag
+import rospkg
 import yaml
 
 AXES = ("longitudinal", "lateral", "vertical")
@@ -25,6 +26,11 @@ def maps_folder():
         if not os.path.isfile(path):
             raise AssertionError("POLYFLY_MAPS=%s: there is no %s" % (folder, path))
     return folder
+
+
+def problem_path(name):
+    """A problem file, which lies beside the package of maps."""
+    return os.path.join(os.path.realpath(rospkg.RosPack().get_path("region_maps")), "..", "problems", name + ".yaml")
 
 
 class Launch:

@@ -10,7 +10,6 @@ import sys
 import tempfile
 import unittest
 
-import rospkg
 import rosunit
 from roslib.packages import find_node
 
@@ -45,7 +44,7 @@ SHORT = {"figure": {"laps": 1, "yaw_turn": 2.0, "hold_time": 2.0}}
 
 
 def problem_text(name):
-    with open(os.path.join(os.path.realpath(rospkg.RosPack().get_path("region_maps")), "..", "problems", name + ".yaml")) as file:
+    with open(flight.problem_path(name)) as file:
         return file.read()
 
 

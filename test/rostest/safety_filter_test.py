@@ -16,13 +16,15 @@ import time
 import unittest
 
 import rosbag
-import rospkg
 import rospy
 import rosunit
 from mav_msgs.msg import RollPitchYawrateThrust
 from nav_msgs.msg import Odometry
 from online_controller.msg import CommandFilterStatus
 from roslib.packages import find_node
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import flight  # noqa: E402
 
 PERIOD = 0.05  # of the map [s]
 STEPS = 200
@@ -81,7 +83,7 @@ class SafetyFilterLoopTest(unittest.TestCase):
         rospy.init_node("safety_filter_test")
         cls.folder = tempfile.mkdtemp(prefix="polyfly_filter_")
         cls.map = os.path.join(cls.folder, "fence_x.map")
-        problem = os.path.join(os.path.realpath(rospkg.RosPack().get_path("region_maps")), "..", "problems", "safety", "fence_x.yaml")
+        problem = flight.problem_path("safety/fence_x")
         subprocess.run([find_node("offline_mpt", "offline_mpt")[0], "solve", problem, "-o", cls.map], check=True)
         rospy.set_param(SPACE + "/safety_filter", {"maps": {"x": cls.map}, "silence_periods": 100.0, "stale_periods": 100.0})
         cls.node = subprocess.Popen([find_node("online_controller", "safety_filter_node")[0], "__ns:=" + SPACE, "__name:=safety_filter"])
