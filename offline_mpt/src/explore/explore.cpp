@@ -225,7 +225,6 @@ ExploreStatus describeOpenSets(const ExploreOptions& options, RegionRound& round
       if (const std::optional<ExploreStatus> end = limits.reached()) return *end;
       state.merge(results[k]);
     }
-    if (computed < count) return stopped(options) ? ExploreStatus::kInterrupted : ExploreStatus::kLimited;
     checkpoint.saveIfDue();
     if (options.progress) {
       options.progress(
