@@ -55,8 +55,8 @@ std::vector<std::byte> await(GroupMessage kind, ProcessGroup& group) {
 }  // namespace
 
 std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> mine) {
-  std::vector<std::vector<std::byte>> all = gather(std::move(mine), everyone());
   if (rank() == 0) {
+    std::vector<std::vector<std::byte>> all = gather(std::move(mine), everyone());
     std::vector<std::byte> message = groupMessage(GroupMessage::kRound);
     ByteWriter out(message);
     for (const std::vector<std::byte>& one : all) {
@@ -66,9 +66,10 @@ std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> 
     for (int to = 1; to < size(); ++to) group_->send(to, message);
     return all;
   }
+  contribute(mine);
   const std::vector<std::byte> message = await(GroupMessage::kRound, *group_);
   ByteReader in(message.data(), message.size(), "message of process 0");
-  all.resize(static_cast<std::size_t>(size()));
+  std::vector<std::vector<std::byte>> all(static_cast<std::size_t>(size()));
   for (std::vector<std::byte>& one : all) {
     const auto bytes = in.get<std::uint64_t>();
     in.need(bytes, 1);
@@ -80,10 +81,6 @@ std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> 
 
 std::vector<std::vector<std::byte>> GroupExchange::gather(std::vector<std::byte> mine,
                                                           const std::vector<char>& asked) {
-  if (rank() != 0) {
-    group_->send(0, messageOf(GroupMessage::kRound, mine));
-    return {};
-  }
   std::vector<std::vector<std::byte>> all(asked.size());
   std::vector<char> missing = asked;
   all.front() = std::move(mine);
@@ -106,6 +103,10 @@ std::vector<std::vector<std::byte>> GroupExchange::gather(std::vector<std::byte>
     }
     std::this_thread::sleep_for(kPollPeriod);
   }
+}
+
+void GroupExchange::contribute(const std::vector<std::byte>& mine) {
+  group_->send(0, messageOf(GroupMessage::kRound, mine));
 }
 
 void GroupExchange::requireSame(const std::string& read) {

@@ -25,8 +25,9 @@ class GroupExchange {
   /// where another has reported a failure.
   std::vector<std::vector<std::byte>> round(std::vector<std::byte> mine);
 
-  /// The same in process 0 alone; nothing in the others. Process 0 waits for those that are `asked`, by rank.
+  /// The same for process 0 alone, which waits for those that are `asked`, by rank. The others call contribute.
   std::vector<std::vector<std::byte>> gather(std::vector<std::byte> mine, const std::vector<char>& asked);
+  void contribute(const std::vector<std::byte>& mine);
   std::vector<char> everyone() const { return std::vector<char>(static_cast<std::size_t>(size()), 1); }
 
   /// A round in which all tell what they read. Throws Error in each unless all texts are the same.

@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "explore/parallel/result_message.hpp"
 #include "polyfly_base/error.hpp"
@@ -114,7 +113,7 @@ std::uint64_t RegionRound::compute(const ActiveSetPool& sets, std::uint32_t firs
 void assistRounds(const NormalisedProgram& program, std::uint64_t fingerprint, RegionThreads& threads,
                   ProcessGroup& group) {
   GroupExchange exchange(&group);
-  exchange.gather(greeting(threads.count(), fingerprint), exchange.everyone());
+  exchange.contribute(greeting(threads.count(), fingerprint));
   std::vector<RegionResult> results;
   std::vector<ActiveSet> sets;
   while (const auto task = GroupExchange::task(group)) {
@@ -131,7 +130,7 @@ void assistRounds(const NormalisedProgram& program, std::uint64_t fingerprint, R
     std::vector<std::byte> mine;
     ByteWriter out(mine);
     for (std::size_t i = 0; i < sets.size(); ++i) writeResult(results[i], out);
-    exchange.gather(std::move(mine), exchange.everyone());
+    exchange.contribute(mine);
   }
 }
 
