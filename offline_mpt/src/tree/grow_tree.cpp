@@ -173,10 +173,10 @@ class TreeGrower {
       });
     }
     now_.pivots += splitter_.pivots() - before;
-    for (std::size_t i = 0; i < batch.size(); ++i) settle(batch[i], std::move(splits[i]));
+    for (std::size_t i = 0; i < batch.size(); ++i) keepSplit(batch[i], std::move(splits[i]));
   }
 
-  void settle(std::uint32_t number, std::optional<CellSplit> split) {
+  void keepSplit(std::uint32_t number, std::optional<CellSplit> split) {
     GrowingCell& parent = cells_[number];
     now_.memory -= parent.memory;
     if (!split) {
