@@ -89,8 +89,8 @@ class Lister {
   // A recorder that closes a bag notes where the index begins; what was cut off since no longer holds it.
   void conclude() {
     const bool none = promise_.connections == 0 && promise_.chunks == 0;
-    contents_.closed =
-        promise_.index != 0 && (promise_.index < source_.size() || (none && promise_.index == source_.size()));
+    contents_.closed = promise_.index != 0 &&
+                       (promise_.index < source_.size() || (none && promise_.index == source_.size()));
     std::set<std::uint32_t> named;
     for (const FileRecord& record : contents_.connections) {
       if (const auto id = record.fields.number<std::uint32_t>("conn")) named.insert(*id);
