@@ -4,9 +4,11 @@
 
 #include "mpc_core/double_double.hpp"
 
+namespace Eigen {
+
 /// What Eigen has to know of the numbers.
 template <>
-struct Eigen::NumTraits<polyfly::DoubleDouble> : Eigen::GenericNumTraits<polyfly::DoubleDouble> {
+struct NumTraits<polyfly::DoubleDouble> : GenericNumTraits<polyfly::DoubleDouble> {
   using Real = polyfly::DoubleDouble;
   using NonInteger = polyfly::DoubleDouble;
   using Nested = polyfly::DoubleDouble;
@@ -27,6 +29,8 @@ struct Eigen::NumTraits<polyfly::DoubleDouble> : Eigen::GenericNumTraits<polyfly
   static Real dummy_precision() { return 0x1p-90; }
   static int digits10() { return 30; }
 };
+
+}  // namespace Eigen
 
 namespace polyfly {
 

@@ -12,7 +12,7 @@ namespace polyfly {
 constexpr const char* kInForceGroup = "in_force";
 
 /// The visitor of an option list that writes its options as YAML, with units and ranges in comments. The slashes
-/// of a key separate the levels of the text. `rosparam load` and <rosparam> read the text, and numbers in it are
+/// of a key separate the levels of the text. `rosparam load` and `<rosparam>` read the text, and numbers in it are
 /// exactly those that were given. Groups come in the order of their first keys.
 class OptionsText {
  public:
