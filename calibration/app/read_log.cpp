@@ -10,6 +10,7 @@
 
 #include "autopilot/autopilot_signals.hpp"
 #include "bags/recording_share.hpp"
+#include "command_line/command_line.hpp"
 #include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"

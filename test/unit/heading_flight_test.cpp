@@ -18,7 +18,6 @@
 namespace polyfly {
 namespace {
 
-constexpr double kPeriod = 0.01;        // [s]
 constexpr double kMisalignment = 0.35;  // [rad]
 
 enum class LawKind { kLinear, kNonlinear };

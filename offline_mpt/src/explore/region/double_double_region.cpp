@@ -41,8 +41,7 @@ void solveLower(const std::vector<DoubleDouble>& L, std::size_t size, std::size_
 }  // namespace
 
 DoubleDoubleRegionSolver::DoubleDoubleRegionSolver(const NormalisedProgram& reduced)
-    : reduced_(reduced),
-      n_(static_cast<std::size_t>(reduced.source.variableCount())),
+    : n_(static_cast<std::size_t>(reduced.source.variableCount())),
       width_(static_cast<std::size_t>(reduced.p) + 1) {
   if (reduced.linear || !reduced.source.equalities.empty()) return;
   form_ = identityForm(affineInBox(reduced.source));

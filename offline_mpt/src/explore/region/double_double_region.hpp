@@ -37,7 +37,6 @@ class DoubleDoubleRegionSolver {
   bool factorise(const std::vector<std::uint16_t>& active);
   void solveFactor(const std::vector<std::uint16_t>& active);
 
-  const NormalisedProgram& reduced_;
   std::size_t n_, width_;  // width: p + 1
   // None where it may mislead.
   std::optional<IdentityForm> form_;
