@@ -31,7 +31,6 @@ struct Finding {
   bool empty = false;
   bool flat = false;
   bool offends = false;
-  bool stopped = false;
   // Facets whose excess the tolerance forgives.
   std::uint64_t tight = 0;
   // Greatest excess of the region itself over the domain.
@@ -40,7 +39,7 @@ struct Finding {
   Rational excess;
   // Facet with the greatest excess.
   std::size_t facet = 0;
-  // Vertex with the greatest excess. With a union as target: (theta, d).
+  // Vertex with the greatest excess.
   RationalVector vertex;
   RationalVector middle;
 };
@@ -71,8 +70,7 @@ class Analysis {
     report.domain = domain_;
     proveCover(report);
     if (stopped(report)) return report;
-    report.target_is_union = !report.covered && !report.is_within;
-    testRegions(report);
+    if (report.covered || report.is_within) testRegions(report);
     return report;
   }
 
@@ -102,8 +100,7 @@ class Analysis {
   }
 
   void proveCover(AnalyzeReport& report) {
-    const int p = regions_.parameters();
-    RegionCover cover(regions_, RationalMatrix::identity(p), RationalVector(static_cast<std::size_t>(p)));
+    RegionCover cover(regions_);
     CoverOptions options;
     options.threads = options_.threads;
     options.stop = options_.stop;
@@ -159,7 +156,7 @@ class Analysis {
     return result;
   }
 
-  Finding testRegion(std::size_t region, bool union_target) const {
+  Finding testRegion(std::size_t region) const {
     Finding finding;
     std::vector<std::vector<Integer>> corners = verticesOf(region, finding.flat);
     finding.empty = corners.empty();
@@ -180,10 +177,6 @@ class Analysis {
     if (corners.empty()) return finding;
     finding.middle = middleOf(corners);
     const RegionStep step = stepOf(region);
-    if (union_target) {
-      testUnion(region, step, finding);
-      return finding;
-    }
     for (std::size_t f = 0; f < domain_.size(); ++f) {
       const RationalVector& a = domain_[f].a;
       const Rational bound = domain_[f].b - dot(applyTransposed(model_.E, a), push(a)) - dot(a, step.m);
@@ -198,38 +191,9 @@ class Analysis {
     return finding;
   }
 
-  // Whether every successor lies in some region: in the space of (theta, d).
-  void testUnion(std::size_t region, const RegionStep& step, Finding& finding) const {
-    const int p = regions_.parameters(), nd = model_.E.columns();
-    RationalMatrix M(p, p + nd);
-    for (int i = 0; i < p; ++i) {
-      for (int j = 0; j < p; ++j) M(i, j) = step.M(i, j);
-      for (int j = 0; j < nd; ++j) M(i, p + j) = model_.E(i, j);
-    }
-    ExactPolytope set;
-    set.dimension = p + nd;
-    const auto lift = [&](const std::vector<ExactHalfSpace>& from, std::vector<ExactHalfSpace>& to,
-                          int first) {
-      for (const ExactHalfSpace& row : from) {
-        ExactHalfSpace wide{RationalVector(static_cast<std::size_t>(p + nd)), row.b};
-        std::copy(row.a.begin(), row.a.end(), wide.a.begin() + first);
-        to.push_back(std::move(wide));
-      }
-    };
-    lift(regions_.polytope(region).rows, set.rows, 0);
-    lift(model_.D.rows, set.rows, p);
-    lift(model_.D.equalities, set.equalities, p);
-    RegionCover cover(regions_, std::move(M), step.m);
-    CoverOptions options;
-    options.stop = options_.stop;
-    finding.offends = !cover.covers(set, options);
-    finding.stopped = cover.stopped();
-    if (finding.offends && !finding.stopped) finding.vertex = cover.gap();
-  }
-
   void testRegions(AnalyzeReport& report) {
     std::vector<Finding> findings(regions_.count());
-    forEachRegion(2, [&](std::size_t r) { findings[r] = testRegion(r, report.target_is_union); });
+    forEachRegion(2, [&](std::size_t r) { findings[r] = testRegion(r); });
     if (stopped(report)) return;
     std::size_t worst_region = findings.size();
     Rational out, excess;
@@ -247,9 +211,7 @@ class Analysis {
     report.greatest_excess = roundedUp(excess);
     report.successors_inside = report.offending_regions == 0;
     if (report.successors_inside) return;
-    const Finding& worst_finding = findings[worst_region];
-    report.witness = report.target_is_union ? unionWitness(worst_region, worst_finding)
-                                            : facetWitness(worst_region, worst_finding);
+    report.witness = facetWitness(worst_region, findings[worst_region]);
   }
 
   // Evaluates one step from exactly these doubles; true when the map answers there.
@@ -291,17 +253,6 @@ class Analysis {
       witness.verified = excess > tolerance_ && 2 * excess > finding.excess;
       if (blend == kLastBlend) witness.verified = excess > tolerance_;
     }
-    return witness;
-  }
-
-  AnalyzeWitness unionWitness(std::size_t region, const Finding& finding) const {
-    AnalyzeWitness witness;
-    witness.region = static_cast<std::uint32_t>(region);
-    const auto p = static_cast<std::size_t>(regions_.parameters());
-    if (finding.vertex.size() < p) return witness;
-    for (std::size_t j = 0; j < p; ++j) witness.theta.push_back(nearestDouble(finding.vertex[j]));
-    witness.d.assign(finding.vertex.begin() + static_cast<std::ptrdiff_t>(p), finding.vertex.end());
-    witness.verified = evaluate(witness) && witness.successor_outside;
     return witness;
   }
 

@@ -50,10 +50,8 @@ std::string witnessText(const AnalyzeReport& report, const RegionMap& map, const
   text += "  u          " + values(map.inputs(), witness.u) + "\n";
   if (!witness.d.empty()) text += "  d          " + values(model.disturbances, doubles(witness.d)) + "\n";
   text += "  successor  " + values(map.parameters(), doubles(witness.successor)) + "\n";
-  if (!witness.facet.a.empty()) {
-    text += "  breaks     " + facetText(witness.facet, map) + "  by " + number(witness.excess, "%.6g") +
-            " [scaled]\n";
-  }
+  text += "  breaks     " + facetText(witness.facet, map) + "  by " + number(witness.excess, "%.6g") +
+          " [scaled]\n";
   text += std::string("  evaluated  ") +
           (witness.verified ? "again from these numbers: it leaves" : "not confirmed from rounded numbers") +
           "; the map " + (witness.successor_outside ? "has no answer" : "still answers") +
@@ -89,7 +87,7 @@ Json witnessJson(const AnalyzeReport& report, const RegionMap& map) {
   json["successor"] = doubles(witness.successor);
   json["successor_exact"] = Json::array();
   for (const Rational& value : witness.successor) json["successor_exact"].push_back(value.get_str());
-  json["facet"] = witness.facet.a.empty() ? Json() : Json(facetText(witness.facet, map));
+  json["facet"] = facetText(witness.facet, map);
   json["excess"] = witness.excess;
   json["verified"] = witness.verified;
   json["successor_outside"] = witness.successor_outside;
@@ -107,12 +105,16 @@ std::string analyzeText(const AnalyzeReport& report, const RegionMap& map, const
   if (report.interrupted) return text + "interrupted: nothing was decided\n";
   text += coverText(report, map);
   const bool both = report.successors_inside && report.covered;
+  const bool is_tested = report.covered || report.is_within;
   text += std::string("recursive feasibility ") + (both                       ? "HOLDS: "
+                                                   : !is_tested               ? "NOT TESTED: "
                                                    : report.successors_inside ? "of what the regions hold: "
                                                                               : "FAILS: ");
-  if (report.successors_inside) {
+  if (!is_tested) {
+    text += "the regions do not cover the domain";
+  } else if (report.successors_inside) {
     text += "every successor lies in the ";
-    text += report.is_within ? "set" : report.target_is_union ? "union of the regions" : "domain";
+    text += report.is_within ? "set" : "domain";
     if (report.tight_pairs > 0) {
       text += ", up to " + number(report.greatest_excess, "%.3g") + " [scaled] at " +
               std::to_string(report.tight_pairs) + " pairs of region and facet";
@@ -142,7 +144,7 @@ std::string analyzeJson(const AnalyzeReport& report, const RegionMap& map, const
   json["regions"] = report.regions;
   json["flat_regions"] = report.flat_regions;
   json["empty_regions"] = report.empty_regions;
-  json["target"] = report.is_within ? "set" : report.target_is_union ? "union" : "domain";
+  json["target"] = report.is_within ? "set" : "domain";
   json["half_spaces"] = Json::array();
   for (const ExactHalfSpace& facet : report.domain) json["half_spaces"].push_back(facetText(facet, map));
   json["covered"] = report.covered;

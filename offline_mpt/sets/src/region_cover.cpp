@@ -23,7 +23,7 @@ constexpr double kWhole = 0x1p40;
 
 /// A cell of its own, and what became of it.
 struct RegionCover::Task {
-  std::optional<MappedCell> cell;
+  std::optional<CoverCell> cell;
   std::vector<std::uint32_t> candidates;
   int depth = 0;
   bool settled = false;
@@ -33,18 +33,17 @@ struct RegionCover::Task {
   RationalVector gap;
 };
 
-RegionCover::RegionCover(const MapRegions& regions, RationalMatrix M, RationalVector m)
-    : regions_(regions), mapped_(regions, std::move(M), std::move(m)) {
+RegionCover::RegionCover(const MapRegions& regions) : regions_(regions), parts_(regions) {
   for (std::vector<std::vector<IntegerRow>>& rows : insides_) rows.resize(regions.count());
 }
 
-// The rows of a region, as they are or moved outwards, in the space of the cells: made once.
+// The rows of a region, as they are or moved outwards: made once.
 const std::vector<RegionCover::IntegerRow>& RegionCover::insidesOf(std::uint32_t region, bool moved) {
   std::vector<IntegerRow>& rows = insides_[moved ? 1 : 0][region];
   const std::uint32_t count = regions_.map().region(region).row_count;
   while (rows.size() < count) {
     const auto row = static_cast<std::uint32_t>(rows.size());
-    rows.push_back(mapped_.plane(region, row, moved ? regions_.tolerance() : 0.0).inside);
+    rows.push_back(parts_.plane(region, row, moved ? regions_.tolerance() : 0.0).inside);
   }
   return rows;
 }
@@ -89,8 +88,8 @@ std::vector<RegionCover::Task> RegionCover::firstCuts(const ExactPolytope& set) 
   const PolytopeCone polytope(set);
   if (polytope.isEmpty()) return tasks;
   tasks.emplace_back();
-  tasks.front().cell = mapped_.cell(polytope.cone);
-  tasks.front().candidates = mapped_.near(*tasks.front().cell);
+  tasks.front().cell = parts_.cell(polytope.cone);
+  tasks.front().candidates = parts_.near(*tasks.front().cell);
   std::size_t open = 1;
   while (open > 0 && open < kTasks && (stop_ == nullptr || !stop_->load())) {
     std::vector<Task> next;
@@ -145,8 +144,8 @@ bool RegionCover::merge(std::vector<Task>& tasks) {
 }
 
 // Rounded numbers sort out, exact ones decide.
-bool RegionCover::liesIn(const MappedCell& cell, std::uint32_t region, bool moved) {
-  if (mapped_.reachesOut(cell, region, moved ? regions_.tolerance() : 0.0)) return false;
+bool RegionCover::liesIn(const CoverCell& cell, std::uint32_t region, bool moved) {
+  if (parts_.reachesOut(cell, region, moved ? regions_.tolerance() : 0.0)) return false;
   for (const IntegerRow& row : insidesOf(region, moved)) {
     for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
       if (dot(row, ray.value) < 0) return false;
@@ -155,7 +154,7 @@ bool RegionCover::liesIn(const MappedCell& cell, std::uint32_t region, bool move
   return true;
 }
 
-bool RegionCover::isCovered(const MappedCell& cell, const std::vector<std::uint32_t>& candidates) {
+bool RegionCover::isCovered(const CoverCell& cell, const std::vector<std::uint32_t>& candidates) {
   for (const bool moved : {false, true}) {
     const auto found = std::find_if(candidates.begin(), candidates.end(),
                                     [&](std::uint32_t region) { return liesIn(cell, region, moved); });
@@ -171,8 +170,8 @@ bool RegionCover::isCovered(const MappedCell& cell, const std::vector<std::uint3
   return false;
 }
 
-void RegionCover::storeGap(const MappedCell& cell) {
-  gap_.assign(static_cast<std::size_t>(mapped_.dimension()), Rational(0));
+void RegionCover::storeGap(const CoverCell& cell) {
+  gap_.assign(static_cast<std::size_t>(regions_.parameters()), Rational(0));
   const Rational share(1, static_cast<unsigned long>(cell.cone.rays().size()));
   for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
     for (std::size_t j = 0; j < gap_.size(); ++j) {
@@ -184,24 +183,24 @@ void RegionCover::storeGap(const MappedCell& cell) {
 }
 
 // Looks at one cell. If it must be cut, `parts` are its two sides.
-RegionCover::Step RegionCover::step(const MappedCell& cell, const std::vector<std::uint32_t>& candidates,
+RegionCover::Step RegionCover::step(const CoverCell& cell, const std::vector<std::uint32_t>& candidates,
                                     Task* parts) {
   if (isCovered(cell, candidates)) return Step::kCovered;
-  std::optional<CellPlane> plane = mapped_.bestCut(cell, candidates);
+  std::optional<CellPlane> plane = parts_.bestCut(cell, candidates);
   if (!plane) {
     if (isCovered(cell, regions_.shaped())) return Step::kCovered;
-    plane = mapped_.anyCut(cell);
+    plane = parts_.anyCut(cell);
     if (!plane) return Step::kGap;
   }
   for (const bool inside : {true, false}) {
     Task& part = parts[inside ? 0 : 1];
-    part.candidates = mapped_.reaching(candidates, *plane, inside);
-    part.cell = mapped_.part(cell, *plane, inside);
+    part.candidates = parts_.reaching(candidates, *plane, inside);
+    part.cell = parts_.part(cell, *plane, inside);
   }
   return Step::kCut;
 }
 
-bool RegionCover::coverCell(const MappedCell& cell, const std::vector<std::uint32_t>& candidates, int depth) {
+bool RegionCover::coverCell(const CoverCell& cell, const std::vector<std::uint32_t>& candidates, int depth) {
   if (stop_ != nullptr && stop_->load()) {
     stopped_ = true;
     return false;

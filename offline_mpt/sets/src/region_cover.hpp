@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "map_regions.hpp"
-#include "mapped_cells.hpp"
+#include "cover_cells.hpp"
 #include "polytope_sets/exact_polytope.hpp"
 
 namespace polyfly {
@@ -20,14 +20,13 @@ struct CoverOptions {
   std::function<void(double)> progress;
 };
 
-/// Proves that a polytope, mapped into the space of parameters, is covered by the regions of a map.
+/// Proves that a polytope of parameters is covered by the regions of a map.
 class RegionCover {
  public:
-  /// y = M x + m takes the polytope to the parameters.
-  RegionCover(const MapRegions& regions, RationalMatrix M, RationalVector m);
+  explicit RegionCover(const MapRegions& regions);
 
-  /// True: every point of the set is mapped into a region whose half-spaces are moved outwards by the
-  /// tolerance. False: gap() is a point of the set, well inside, whose image is in none; or it was stopped.
+  /// True: every point of the set lies in a region whose half-spaces are moved outwards by the tolerance.
+  /// False: gap() is a point of the set, well inside, that is in none; or it was stopped.
   bool covers(const ExactPolytope& set, const CoverOptions& options = {});
 
   std::uint64_t cells() const { return cells_; }
@@ -47,18 +46,18 @@ class RegionCover {
   struct Task;
 
   enum class Step { kCovered, kGap, kCut };
-  Step step(const MappedCell& cell, const std::vector<std::uint32_t>& candidates, Task* parts);
-  bool coverCell(const MappedCell& cell, const std::vector<std::uint32_t>& candidates, int depth);
+  Step step(const CoverCell& cell, const std::vector<std::uint32_t>& candidates, Task* parts);
+  bool coverCell(const CoverCell& cell, const std::vector<std::uint32_t>& candidates, int depth);
   void settle(Task& task);
   std::vector<Task> firstCuts(const ExactPolytope& set);
   bool merge(std::vector<Task>& tasks);
-  bool isCovered(const MappedCell& cell, const std::vector<std::uint32_t>& candidates);
-  bool liesIn(const MappedCell& cell, std::uint32_t region, bool moved);
+  bool isCovered(const CoverCell& cell, const std::vector<std::uint32_t>& candidates);
+  bool liesIn(const CoverCell& cell, std::uint32_t region, bool moved);
   const std::vector<IntegerRow>& insidesOf(std::uint32_t region, bool moved);
-  void storeGap(const MappedCell& cell);
+  void storeGap(const CoverCell& cell);
 
   const MapRegions& regions_;
-  MappedCells mapped_;
+  CoverCells parts_;
   // Rows of each region, >= 0 inside: as they are, and moved outwards.
   std::vector<std::vector<IntegerRow>> insides_[2];
   std::uint64_t cells_ = 0;

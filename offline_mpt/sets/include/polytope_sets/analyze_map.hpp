@@ -52,7 +52,7 @@ struct AnalyzeWitness {
   RationalVector d;
   /// F theta + G u + E d + c of exactly these numbers.
   RationalVector successor;
-  /// The successor breaks a . successor <= b. Empty where the target is a union.
+  /// The successor breaks a . successor <= b.
   ExactHalfSpace facet;
   /// Excess of the successor over the facet.
   double excess = 0.0;  ///< [scaled]
@@ -92,15 +92,13 @@ struct AnalyzeReport {
   std::optional<RationalVector> gap;
 
   /// For every region and d in D: let theta lie in the region, or in a sliver that is given to it. Then theta+ lies
-  /// in the target, with each half-space moved out by t. The target is P; where P is not covered and not `within`,
-  /// the union of the regions as they are.
+  /// in P, with each half-space moved out by t. Not tested where the regions do not cover P, unless `within`.
   bool successors_inside = false;
-  bool target_is_union = false;
   /// Greatest excess over regions and facets, rounded up. 0: no tolerance is needed.
   double greatest_excess = 0.0;  ///< [scaled]
   /// Pairs (region, facet) with an excess in (0, t]. They agree up to rounding.
   std::uint64_t tight_pairs = 0;
-  /// Regions with an excess above t, or with a part of the successor set in no region.
+  /// Regions with an excess above t.
   std::uint64_t offending_regions = 0;
   std::optional<AnalyzeWitness> witness;
 

@@ -1,4 +1,4 @@
-#include "mapped_cells.hpp"
+#include "cover_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ Reach reachOf(const std::vector<double>& points, const double* plane, double sig
 }
 
 // Whether a plane has points of the cell strictly on both sides.
-bool cuts(const MappedCell& cell, const CellPlane& plane) {
+bool cuts(const CoverCell& cell, const CellPlane& plane) {
   bool in = false, out = false;
   for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
     const Integer value = dot(plane.inside, ray.value);
@@ -45,30 +45,16 @@ bool cuts(const MappedCell& cell, const CellPlane& plane) {
 
 }  // namespace
 
-MappedCells::MappedCells(const MapRegions& regions, RationalMatrix M, RationalVector m)
-    : regions_(regions), M_(std::move(M)), m_(std::move(m)) {
-  for (int i = 0; i < M_.rows(); ++i) {
-    for (int j = 0; j < M_.columns(); ++j) M_rounded_.push_back(M_(i, j).get_d());
-    m_rounded_.push_back(m_[static_cast<std::size_t>(i)].get_d());
-  }
-}
-
-MappedCell MappedCells::cell(DoubleDescription cone) const {
-  MappedCell result{std::move(cone), {}};
+CoverCell CoverCells::cell(DoubleDescription cone) const {
+  CoverCell result{std::move(cone), {}};
   for (const DoubleDescription::Ray& ray : result.cone.rays()) {
-    for (int i = 0; i < M_.rows(); ++i) {
-      double sum = m_rounded_[static_cast<std::size_t>(i)];
-      for (int j = 0; j < M_.columns(); ++j) {
-        const double factor = M_rounded_[static_cast<std::size_t>(i * M_.columns() + j)];
-        if (factor != 0.0) sum += factor * ratio(ray.value[static_cast<std::size_t>(j) + 1], ray.value[0]);
-      }
-      result.images.push_back(sum);
-    }
+    for (std::size_t j = 1; j < ray.value.size(); ++j)
+      result.vertices.push_back(ratio(ray.value[j], ray.value[0]));
   }
   return result;
 }
 
-MappedCell MappedCells::part(const MappedCell& whole, const CellPlane& plane, bool inside) const {
+CoverCell CoverCells::part(const CoverCell& whole, const CellPlane& plane, bool inside) const {
   DoubleDescription cone = whole.cone;
   std::vector<Integer> row = plane.inside;
   if (!inside) {
@@ -79,23 +65,23 @@ MappedCell MappedCells::part(const MappedCell& whole, const CellPlane& plane, bo
 }
 
 // Of the map, p + 1: without the sign by which the region has them.
-const double* MappedCells::numbers(std::uint32_t region, std::uint32_t row) const {
+const double* CoverCells::numbers(std::uint32_t region, std::uint32_t row) const {
   const std::int32_t number = regions_.map().region(region).rows[row];
   return regions_.map().plane(static_cast<std::size_t>(std::abs(number)) - 1);
 }
 
-CellPlane MappedCells::plane(std::uint32_t region, std::uint32_t row, double move) const {
+CellPlane CoverCells::plane(std::uint32_t region, std::uint32_t row, double move) const {
   CellPlane plane;
   plane.row = numbers(region, row);
   plane.sign = regions_.map().region(region).rows[row] > 0 ? 1.0 : -1.0;
   const ExactHalfSpace half_space = regions_.row(region, row);
-  RationalVector values{half_space.b + Rational(move) - dot(half_space.a, m_)};
-  for (const Rational& value : applyTransposed(M_, half_space.a)) values.emplace_back(-value);
+  RationalVector values{half_space.b + Rational(move)};
+  for (const Rational& value : half_space.a) values.emplace_back(-value);
   plane.inside = wholeNumbers(values);
   return plane;
 }
 
-std::vector<std::uint32_t> MappedCells::near(const MappedCell& cell) const {
+std::vector<std::uint32_t> CoverCells::near(const CoverCell& cell) const {
   const int p = regions_.parameters();
   std::vector<std::uint32_t> result;
   for (const std::uint32_t region : regions_.shaped()) {
@@ -103,7 +89,7 @@ std::vector<std::uint32_t> MappedCells::near(const MappedCell& cell) const {
     for (int j = 0; j < p && !apart; ++j) {
       std::vector<double> axis(static_cast<std::size_t>(p) + 1, 0.0);
       axis[static_cast<std::size_t>(j)] = 1.0;
-      const Reach mine = reachOf(cell.images, axis.data(), 1.0, p);
+      const Reach mine = reachOf(cell.vertices, axis.data(), 1.0, p);
       const Reach other = reachOf(regions_.shape(region), axis.data(), 1.0, p);
       apart = mine.least > other.greatest || other.least > mine.greatest;
     }
@@ -112,7 +98,7 @@ std::vector<std::uint32_t> MappedCells::near(const MappedCell& cell) const {
   return result;
 }
 
-std::vector<std::uint32_t> MappedCells::reaching(const std::vector<std::uint32_t>& candidates,
+std::vector<std::uint32_t> CoverCells::reaching(const std::vector<std::uint32_t>& candidates,
                                                  const CellPlane& plane, bool inside) const {
   if (plane.row == nullptr) return candidates;
   const double sign = inside ? plane.sign : -plane.sign;
@@ -124,18 +110,18 @@ std::vector<std::uint32_t> MappedCells::reaching(const std::vector<std::uint32_t
   return result;
 }
 
-bool MappedCells::reachesOut(const MappedCell& cell, std::uint32_t region, double move) const {
+bool CoverCells::reachesOut(const CoverCell& cell, std::uint32_t region, double move) const {
   const RegionView view = regions_.map().region(region);
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const double sign = view.rows[i] > 0 ? 1.0 : -1.0;
-    const Reach reach = reachOf(cell.images, numbers(region, i), sign, regions_.parameters());
+    const Reach reach = reachOf(cell.vertices, numbers(region, i), sign, regions_.parameters());
     if (reach.greatest > move + tolerance::kReachesOver) return true;
   }
   return false;
 }
 
 // Rows of candidates whose planes seem to cut the cell, each plane once.
-std::vector<MappedCells::RowOf> MappedCells::cuttingRows(const MappedCell& cell,
+std::vector<CoverCells::RowOf> CoverCells::cuttingRows(const CoverCell& cell,
                                                          const std::vector<std::uint32_t>& candidates) const {
   std::vector<RowOf> rows;
   std::vector<std::int32_t> seen;
@@ -144,7 +130,7 @@ std::vector<MappedCells::RowOf> MappedCells::cuttingRows(const MappedCell& cell,
     for (std::uint32_t i = 0; i < view.row_count; ++i) {
       const std::int32_t index = std::abs(view.rows[i]) - 1;
       if (std::find(seen.begin(), seen.end(), index) != seen.end()) continue;
-      const Reach reach = reachOf(cell.images, numbers(region, i), 1.0, regions_.parameters());
+      const Reach reach = reachOf(cell.vertices, numbers(region, i), 1.0, regions_.parameters());
       if (reach.least >= 0.0 || reach.greatest <= 0.0) continue;
       seen.push_back(index);
       rows.push_back({region, i});
@@ -154,7 +140,7 @@ std::vector<MappedCells::RowOf> MappedCells::cuttingRows(const MappedCell& cell,
   return rows;
 }
 
-std::optional<CellPlane> MappedCells::bestCut(const MappedCell& cell,
+std::optional<CellPlane> CoverCells::bestCut(const CoverCell& cell,
                                               const std::vector<std::uint32_t>& candidates) const {
   const int p = regions_.parameters();
   const std::vector<RowOf> rows = cuttingRows(cell, candidates);
@@ -170,7 +156,7 @@ std::optional<CellPlane> MappedCells::bestCut(const MappedCell& cell,
       below += reach.least < -tolerance::kReachesOver ? 1 : 0;
       above += reach.greatest > tolerance::kReachesOver ? 1 : 0;
     }
-    const Reach reach = reachOf(cell.images, row, 1.0, p);
+    const Reach reach = reachOf(cell.vertices, row, 1.0, p);
     const double width = std::min(-reach.least, reach.greatest);
     const std::size_t fuller = std::max(below, above);
     if (fuller > fewest || (fuller == fewest && width <= widest)) continue;
@@ -183,7 +169,7 @@ std::optional<CellPlane> MappedCells::bestCut(const MappedCell& cell,
   return best;
 }
 
-std::optional<CellPlane> MappedCells::anyCut(const MappedCell& cell) const {
+std::optional<CellPlane> CoverCells::anyCut(const CoverCell& cell) const {
   for (const double move : {0.0, regions_.tolerance()}) {
     for (std::uint32_t region = 0; region < regions_.count(); ++region) {
       if (std::optional<CellPlane> cut = cutOf(cell, region, move)) return cut;
@@ -193,12 +179,12 @@ std::optional<CellPlane> MappedCells::anyCut(const MappedCell& cell) const {
 }
 
 // The first of a region's planes that cuts the cell; none where one of its half-spaces has nothing of it.
-std::optional<CellPlane> MappedCells::cutOf(const MappedCell& cell, std::uint32_t region, double move) const {
+std::optional<CellPlane> CoverCells::cutOf(const CoverCell& cell, std::uint32_t region, double move) const {
   const RegionView view = regions_.map().region(region);
   std::optional<CellPlane> first;
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const double sign = view.rows[i] > 0 ? 1.0 : -1.0;
-    const Reach reach = reachOf(cell.images, numbers(region, i), sign, regions_.parameters());
+    const Reach reach = reachOf(cell.vertices, numbers(region, i), sign, regions_.parameters());
     if (reach.least > regions_.tolerance() + tolerance::kReachesOver) return std::nullopt;
     if (first) continue;
     CellPlane candidate = plane(region, i, move);
