@@ -9,6 +9,7 @@
 #include "offline_mpt/encode.hpp"
 #include "online_timing.hpp"
 #include "polyfly_test/robust_campaign.hpp"
+#include "region_maps/map_image.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/prove_map.hpp"
 
@@ -34,11 +35,11 @@ void solveRows(const std::string& name, const polyfly::RobustProblem& problem, d
   printRow({name + ": regions", static_cast<double>(law.regions.size()), "", 0.0, "", 0.0});
   if (most_exact <= 0.0) return;
   start = threadSeconds();
-  const polyfly::RobustProgram program = polyfly::buildRobustProgram(problem);
-  const polyfly::FeasibleSet set = polyfly::projectFeasibleSet(program);
-  const polyfly::RobustProof proof =
-      polyfly::proveLaw(problem, program, set, polyfly::explicitLaw(problem, set));
-  printRow({name + ": solved and proven in fractions", threadSeconds() - start, "s", most_exact, "", 0.0});
+  const polyfly::RoundedLaw rounded =
+      polyfly::roundLaw(problem, solve(problem, true), polyfly::ExploreStatus::kComplete);
+  const polyfly::MapImage image(polyfly::encode(rounded.program, rounded.partition));
+  const polyfly::RobustProof proof = polyfly::proveRobustMap(image.view(name), problem);
+  printRow({name + ": solved, and the map proven in fractions", threadSeconds() - start, "s", most_exact, "", 0.0});
   if (!proof.passed()) throw std::runtime_error(name + ": not proven");
 }
 

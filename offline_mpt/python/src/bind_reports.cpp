@@ -83,7 +83,6 @@ void bindReports(py::module_& module) {
       .def_readonly("regions", &RobustProof::regions)
       .def_readonly("facets", &RobustProof::facets)
       .def_readonly("vertices", &RobustProof::vertices)
-      .def_readonly("covered", &RobustProof::covered)
       .def_readonly("law_error", &RobustProof::law_error)
       .def_readonly("plane_error", &RobustProof::plane_error, "[scaled]")
       .def_readonly("defects", &RobustProof::defects)

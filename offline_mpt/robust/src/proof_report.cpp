@@ -47,15 +47,13 @@ std::string proofText(const RobustProblem& problem, const RobustProof& proof) {
        << "  " << proof.vertices
        << " vertices, each with a plan that meets every bound for every disturbance: "
        << answer(proof.set_feasible) << "\n"
-       << "  " << proof.regions
-       << " regions, tau least in each: " << answer(proof.optimal_regions == proof.regions) << "\n"
-       << "  move nearest to K e among the optimal ones: " << answer(proof.preferred) << "\n"
-       << "  regions cover all feasible parameters (volume " << nearestDouble(proof.volume)
-       << "): " << answer(proof.covered) << "\n"
+       << "  map: " << proof.regions
+       << " regions cover all feasible parameters, in each tau is least, then the move nearest to K e, and "
+          "look-ups answer so: "
+       << answer(!proof.certificate.empty()) << "\n"
        << "  bounds and tau after one step, " << proof.steps
        << " vertices of region and disturbance: " << answer(!proof.broken_bound) << "\n";
   if (proof.broken_bound) describe(*proof.broken_bound, text);
-  text << "  what look-ups of the map answer: " << answer(!proof.certificate.empty()) << "\n";
   text << "  feasibility is never lost within the box: " << (proof.recursivelyFeasible() ? "proven" : "NO")
        << "\n";
   if (proof.lost) {
@@ -88,10 +86,7 @@ std::string proofJson(const RobustProblem& problem, const RobustProof& proof) {
   json["facets_valid"] = proof.set_valid;
   json["vertices_feasible"] = proof.set_feasible;
   json["regions"] = proof.regions;
-  json["optimal_regions"] = proof.optimal_regions;
-  json["preferred_move"] = proof.preferred;
-  json["covered"] = proof.covered;
-  json["volume"] = proof.volume.get_str();
+  json["map_proven"] = !proof.certificate.empty();
   json["steps"] = proof.steps;
   json["bounds_hold"] = !proof.broken_bound;
   json["broken_bound"] = toJson(proof.broken_bound);

@@ -1,6 +1,6 @@
-// Proves a law without the steps that made it: only its regions, the facets and the rows of the program.
+// Proves the feasible set, and what holds after one step of the law.
 #include <algorithm>
-#include <map>
+#include <set>
 #include <utility>
 
 #include "integer_program.hpp"
@@ -25,16 +25,6 @@ std::vector<Integer> homogeneous(const RationalVector& point) {
   return wholeNumbers(values);
 }
 
-std::vector<std::vector<Integer>> coneRows(const std::vector<ExactHalfSpace>& half_spaces) {
-  std::vector<std::vector<Integer>> rows;
-  for (const ExactHalfSpace& half_space : half_spaces) rows.push_back(coneRow(half_space));
-  return rows;
-}
-
-bool isWithin(const std::vector<std::vector<Integer>>& rows, const std::vector<Integer>& point) {
-  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return dot(row, point) >= 0; });
-}
-
 /// A vertex of regions with their law there, (theta, u~_0, tau), once for all regions that share it.
 struct LawPoint {
   explicit LawPoint(const RationalVector& values) : y(values) {}
@@ -43,10 +33,6 @@ struct LawPoint {
   const Rational& peak() const { return y.back(); }
 
   RationalVector y;
-  /// It meets all facets.
-  bool feasible = true;
-  /// No other feasible move with this theta and tau is nearer to K e.
-  bool preferred = false;
 };
 
 class LawProof {
@@ -58,10 +44,7 @@ class LawProof {
         set_(set),
         law_(law),
         np_(problem.parameterCount()),
-        errors_(problem.errorParameters()),
-        preferred_(at(np_)) {
-    for (int s = 0; s < problem.stateCount(); ++s) preferred_[at(errors_[at(s)])] = problem.tie_gain(0, s);
-  }
+        errors_(problem.errorParameters()) {}
 
   RobustProof run() {
     proof_.invariance_asked = problem_.invariance != InvarianceRule::kNone;
@@ -69,104 +52,20 @@ class LawProof {
     proof_.vertices = set_.vertices.size();
     proof_.set_valid = proveFacets(program_, set_);
     proof_.set_feasible = !set_.vertices.empty() && proveVertices(program_, set_);
-    collectPoints();
     proof_.regions = law_.regions.size();
-    proof_.preferred = true;
-    for (std::size_t r = 0; r < law_.regions.size(); ++r) {
-      if (isOptimal(r)) ++proof_.optimal_regions;
-      for (const std::size_t k : points_of_[r]) proof_.preferred = proof_.preferred && points_[k].preferred;
-    }
-    proveCoverage();
+    findDomain();
     proveSteps();
     return std::move(proof_);
   }
 
  private:
-  const Rational& inputSlope(int facet) const { return set_.facets[at(facet)].half_space.a[at(np_)]; }
-  const Rational& peakSlope(int facet) const { return set_.facets[at(facet)].half_space.a[at(np_) + 1]; }
-
-  void collectPoints() {
-    std::map<RationalVector, std::size_t> known;
-    for (const RobustLaw::Region& region : law_.regions) {
-      std::vector<std::size_t>& places = points_of_.emplace_back();
-      for (const RationalVector& vertex : region.vertices) {
-        RationalVector y = vertex;
-        y.push_back(moveAt(region, vertex));
-        y.push_back(peakAt(region, vertex));
-        const auto [place, is_new] = known.emplace(std::move(y), points_.size());
-        if (is_new) points_.emplace_back(place->first);
-        places.push_back(place->second);
-      }
-    }
-    std::vector<std::vector<Integer>> facets;
-    for (const FeasibleSet::Facet& facet : set_.facets) facets.push_back(coneRow(facet.half_space));
-    for (LawPoint& point : points_) judge(point, facets);
-  }
-
-  /// The feasible moves for theta and tau are an interval. So one of them is the nearest to K e if it is K e, or if a
-  /// facet without slack ends the interval on that side.
-  void judge(LawPoint& point, const std::vector<std::vector<Integer>>& facets) const {
-    const std::vector<Integer> whole = homogeneous(point.y);
-    const int side = sgn(Rational(dot(preferred_, point.theta()) - point.move()));
-    bool is_nearest = side == 0;
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-      const int slack = sgn(dot(facets[f], whole));
-      point.feasible = point.feasible && slack >= 0;
-      is_nearest = is_nearest || (slack == 0 && sgn(inputSlope(static_cast<int>(f))) == side);
-    }
-    point.preferred = point.feasible && is_nearest;
-  }
-
-  /// (theta, u, tau) is feasible at every vertex, so everywhere in the region; and the active facets,
-  /// weighted so that the move cancels, say that tau cannot be less: as affine functions, not at points.
-  bool isOptimal(std::size_t index) const {
-    const RobustLaw::Region& region = law_.regions[index];
-    for (const std::size_t k : points_of_[index]) {
-      if (!points_[k].feasible) return false;
-    }
-    RationalVector weights;
-    if (region.active.size() == 2 && inputSlope(region.active[0]) != 0 && inputSlope(region.active[1]) != 0) {
-      if (sgn(inputSlope(region.active[0])) == sgn(inputSlope(region.active[1]))) return false;
-      weights = {abs(inputSlope(region.active[1])), abs(inputSlope(region.active[0]))};
-    } else {  // one that does not limit the move bounds tau by itself
-      for (const int facet : region.active)
-        weights.emplace_back(inputSlope(facet) == 0 && peakSlope(facet) < 0 ? 1 : 0);
-    }
-    RationalVector sum(at(np_) + 1);  // theta and bound of the combination; tau's coefficient apart
-    Rational peak;
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-      const ExactHalfSpace& row = set_.facets[at(region.active[k])].half_space;
-      for (std::size_t j = 0; j < at(np_); ++j) sum[j] += weights[k] * row.a[j];
-      sum.back() += weights[k] * row.b;
-      peak += weights[k] * peakSlope(region.active[k]);
-    }
-    if (peak >= 0) return false;
-    for (std::size_t j = 0; j < at(np_); ++j) {
-      if (sum[j] / -peak != region.peak_gain[j]) return false;
-    }
-    return sum.back() / peak == region.peak_offset;
-  }
-
-  void proveCoverage() {
+  /// The feasible parameters: the shadow of the set.
+  void findDomain() {
     std::vector<RationalVector> points;
     for (const FeasibleSet::Vertex& vertex : set_.vertices)
       points.emplace_back(vertex.y.begin(), vertex.y.begin() + np_);
     domain_ = hull(np_, points);
-    if (!domain_.equalities.empty()) return;
-    domain_rows_ = coneRows(domain_.rows);
-    Rational sum;
-    for (const RobustLaw::Region& region : law_.regions) {
-      const Rational part = volume(region.polytope);
-      const std::vector<std::vector<Integer>> rows = coneRows(region.polytope.rows);
-      // half-spaces and vertices are the same region: vertices lie within, and their hull has the volume
-      for (const RationalVector& vertex : region.vertices) {
-        const std::vector<Integer> whole = homogeneous(vertex);
-        if (!isWithin(rows, whole) || !isWithin(domain_rows_, whole)) return;
-      }
-      sum += part;
-    }
-    proof_.volume = volume(domain_);
-    proof_.covered = sum == proof_.volume;
+    for (const ExactHalfSpace& row : domain_.rows) domain_rows_.push_back(coneRow(row));
   }
 
   /// A facet of the domain that only says where the map ends. Where the box ends at a bound of the state,
@@ -271,9 +170,17 @@ class LawProof {
   }
 
   void proveSteps() {
-    for (const LawPoint& point : points_) proveStep(point);
-    for (const std::vector<std::size_t>& places : points_of_)
-      proof_.steps += places.size() << static_cast<unsigned>(problem_.channelCount());
+    std::set<RationalVector> points;
+    for (const RobustLaw::Region& region : law_.regions) {
+      proof_.steps += region.vertices.size() << static_cast<unsigned>(problem_.channelCount());
+      for (const RationalVector& vertex : region.vertices) {
+        RationalVector y = vertex;
+        y.push_back(moveAt(region, vertex));
+        y.push_back(peakAt(region, vertex));
+        points.insert(std::move(y));
+      }
+    }
+    for (const RationalVector& y : points) proveStep(LawPoint(y));
   }
 
   void proveStep(const LawPoint& point) {
@@ -298,10 +205,6 @@ class LawProof {
   const RobustLaw& law_;
   int np_;
   std::vector<int> errors_;
-  RationalVector preferred_;
-  std::vector<LawPoint> points_;
-  /// Places in points_ of the vertices of each region.
-  std::vector<std::vector<std::size_t>> points_of_;
   ExactPolytope domain_;
   std::vector<std::vector<Integer>> domain_rows_;
   RobustProof proof_;

@@ -109,10 +109,48 @@ class FacetProgram {
   }
 };
 
+std::vector<int> activeFacets(const RegionView& region) {
+  return {region.active, region.active + region.active_count};
+}
+
+/// The law's regions by their active facets, sorted.
+class RegionsByActive {
+ public:
+  explicit RegionsByActive(const RobustLaw& law) {
+    for (const RobustLaw::Region& region : law.regions) {
+      std::vector<int> active = region.active;
+      std::sort(active.begin(), active.end());
+      regions_.emplace(std::move(active), &region);
+    }
+  }
+  /// None: nullptr.
+  const RobustLaw::Region* find(const RegionView& region) const {
+    const auto at = regions_.find(activeFacets(region));
+    return at == regions_.end() ? nullptr : at->second;
+  }
+
+ private:
+  std::map<std::vector<int>, const RobustLaw::Region*> regions_;
+};
+
+std::vector<Defect> strangeRegions(const RegionMap& map, const RegionsByActive& regions) {
+  std::vector<Defect> defects;
+  for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
+    if (regions.find(map.region(r)) != nullptr) continue;
+    Defect defect;
+    defect.kind = Defect::Kind::kActiveSet;
+    defect.region = r;
+    defect.text = "region " + std::to_string(r) + ": no region of the exact law has its active facets";
+    defects.push_back(std::move(defect));
+  }
+  return defects;
+}
+
 /// The lines of the certificate up to its first region.
 class Head {
  public:
-  Head(const RegionMap& map, const RobustStatement& statement) : map_(map), statement_(statement) {}
+  Head(const RegionMap& map, const RobustStatement& statement, const RegionsByActive& regions)
+      : map_(map), statement_(statement), regions_(regions) {}
 
   std::string text(const StatedTolerances& tolerances) {
     text_ = "polyfly robust certificate 2\n" + mapLine("map", map_) + problemLine(map_.problemText());
@@ -194,17 +232,9 @@ class Head {
 
   /// Vertices of regions with their plans, and the simplices that make up each region.
   void addPlans() {
-    std::map<std::vector<int>, const RobustLaw::Region*> by_active;
-    for (const RobustLaw::Region& region : statement_.law.regions) {
-      std::vector<int> active = region.active;
-      std::sort(active.begin(), active.end());
-      by_active.emplace(std::move(active), &region);
-    }
     std::string simplices;
     for (std::size_t r = 0; r < map_.regionCount(); ++r) {
-      const RegionView view = map_.region(r);
-      const RobustLaw::Region& region =
-          *by_active.at(std::vector<int>(view.active, view.active + view.active_count));
+      const RobustLaw::Region& region = *regions_.find(map_.region(r));
       std::vector<std::size_t> places;
       for (std::size_t k = 0; k < region.vertices.size(); ++k) places.push_back(pointOf(region, k));
       for (const std::vector<std::size_t>& simplex : triangulate(region.polytope, region.vertices)) {
@@ -229,6 +259,7 @@ class Head {
 
   const RegionMap& map_;
   const RobustStatement& statement_;
+  const RegionsByActive& regions_;
   std::map<RationalVector, std::size_t> points_;
   std::string text_;
 };
@@ -241,10 +272,14 @@ void writeCertificate(const RobustProof& proof, const std::string& path) {
 
 CertifyReport certifyRobust(const RegionMap& map, const RobustStatement& statement,
                             const CertifyOptions& options) {
+  const RegionsByActive regions(statement.law);
+  CertifyReport report;
+  report.defects = strangeRegions(map, regions);
+  if (!report.defects.empty()) return report;
   const FacetProgram facets(statement);
   const ExactProgram exact(facets.source, facets.numbers, {});
   return certifyExactly({map, facets.source, exact, options}, [&](const StatedTolerances& tolerances) {
-    return Head(map, statement).text(tolerances);
+    return Head(map, statement, regions).text(tolerances);
   });
 }
 

@@ -18,7 +18,7 @@ struct RobustStatement {
   const ParametricProgram& signals;
 };
 
-/// Proves a map whose regions have the active facets of the law's, with its look-ups. The facets of the feasible set
+/// Proves a map and its look-ups. A region with other active facets than any of the law's is a defect. The facets of the feasible set
 /// are the rows of a linear program: tau is least, then |u~_0 - K e|. "Robust maps" in offline_mpt/CERTIFICATE.md.
 CertifyReport certifyRobust(const RegionMap& map, const RobustStatement& statement,
                             const CertifyOptions& options);

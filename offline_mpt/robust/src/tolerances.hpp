@@ -27,10 +27,4 @@ constexpr double kZeroMultiplier = 1e-9;
 /// Least margin of all rows at the interior point.
 constexpr double kLeastRoom = 1e-9;
 
-/// Greatest allowed error of the map's law at vertices of its region.
-constexpr double kLawError = 1e-9;
-
-/// Greatest allowed error of the map's planes [scaled].
-constexpr double kPlaneError = 1e-9;
-
 }  // namespace polyfly::tolerance

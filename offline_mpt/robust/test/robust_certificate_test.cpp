@@ -96,7 +96,6 @@ TEST(RobustCertificate, ARefutedMapHasNone) {
   EXPECT_EQ(proof.certificate, "");
 }
 
-// The proof without a certificate compares regions only.
 TEST(RobustCertificate, ATreeThatMissesParametersIsRefuted) {
   MapContent changed = smallProof().content;
   ASSERT_GT(changed.leaves.size(), 1u);

@@ -31,13 +31,6 @@ struct RobustProof {
   /// Each vertex has a plan that meets every row, so all remaining points are feasible.
   bool set_feasible = false;
   std::uint64_t regions = 0;
-  /// tau is reached, and no less is possible: the duals of one combination.
-  std::uint64_t optimal_regions = 0;
-  /// At every vertex, the move is the optimal one nearest to K e.
-  bool preferred = false;
-  /// The volumes of the regions add up to that of the feasible parameters.
-  bool covered = false;
-  Rational volume;
   /// Number of pairs of a region's vertex and a vertex of the disturbances.
   std::uint64_t steps = 0;
   /// A bound that one step breaks.
@@ -54,27 +47,23 @@ struct RobustProof {
     bool clips_safely = false;
   };
   std::vector<BoxExit> box_exits;
-
-  /// Errors of the map's numbers.
-  std::vector<std::string> defects;
-  /// Greatest difference of the map's law and the exact law at vertices of its regions.
-  double law_error = 0.0;
-  /// Greatest distance of a vertex outside the map's region.
-  double plane_error = 0.0;  ///< [scaled]
-
-  /// Text of the certificate of a map; empty where the proof does not pass.
-  std::string certificate;
-
   /// Whether the problem has an invariance rule.
   bool invariance_asked = false;
 
+  /// What is wrong with the map.
+  std::vector<std::string> defects;
+  /// Greatest difference of the map's laws from the exact ones, relative as CertifyReport::law_error.
+  double law_error = 0.0;
+  double plane_error = 0.0;  ///< greatest difference of a plane [scaled]
+  /// The map's optimality, half-spaces, laws, coverage and look-ups are proven: the text of its certificate. Else empty.
+  std::string certificate;
+
   bool recursivelyFeasible() const { return !lost; }
-  /// Everything; without an invariance rule, recursive feasibility may fail: it is a finding then, not a
-  /// defect.
-  bool passed() const {
-    return set_valid && set_feasible && optimal_regions == regions && regions > 0 && preferred && covered &&
-           !broken_bound && defects.empty() && !(invariance_asked && lost);
+  /// Set and one step; without an invariance rule, recursive feasibility may fail: it is a finding then, not a defect.
+  bool lawHolds() const {
+    return set_valid && set_feasible && regions > 0 && !broken_bound && !(invariance_asked && lost);
   }
+  bool passed() const { return lawHolds() && defects.empty() && !certificate.empty(); }
 };
 
 struct ProveOptions {
@@ -82,12 +71,13 @@ struct ProveOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Computes the exact law of `problem` anew, proves it, compares the map with it, and proves what look-ups answer. Throws Error when the
-/// map is not of this problem (names, units, boxes), is a reduced one, or the work was stopped.
+/// Computes the exact law of `problem` anew and proves what holds of it. Then the map is proven as that of the linear program
+/// of its facets, as `certify` does. Throws Error when the map is not of this problem (names, units, boxes), is a reduced one,
+/// or the work was stopped.
 RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem,
                            const ProveOptions& options = {});
 
-/// As above for a law that is at hand; the part that needs no map.
+/// The part that needs no map: the feasible set, and one step from every vertex of every region.
 RobustProof proveLaw(const RobustProblem& problem, const RobustProgram& program, const FeasibleSet& set,
                      const RobustLaw& law);
 
