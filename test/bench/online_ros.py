@@ -21,16 +21,12 @@ from roslib.packages import find_node
 SAMPLES = int(os.environ.get("POLYFLY_LATENCY_SAMPLES", "2000"))
 RATE = 100.0       # of odometry, and of reconfigurations where there are any [1/s]
 TURN = 5.0         # calm and under load in turn, so that both see the same machine; the first fifth counts for neither [s]
-PRIORITY = int(os.environ.get("POLYFLY_LATENCY_PRIORITY", "50"))  # of SCHED_FIFO, 0: none
 PATIENCE = 60.0    # beyond the time that the samples take [s]
 LAWS = os.environ.get("POLYFLY_LATENCY_LAWS", "explicit_linear,linear,nonlinear").split(",")
-# How controller and probe live together, and what each is told. "mark": the median to reach [us].
+# How controller and probe live together. "mark": the median to reach [us].
 WAYS = {
-    "nodelet": dict(mark=50.0, times=3, probe__consumer="publisher"),
-    "nodelet, to a thread that sleeps": dict(probe__consumer="own"),
-    "nodelet that sleeps": dict(controller__real_time__priority=PRIORITY, controller__real_time__answer="thread"),
+    "nodelet": dict(mark=50.0, times=3),
     "node": dict(),
-    "node that sleeps": dict(controller__real_time__priority=PRIORITY, controller__real_time__answer="thread"),
 }
 MEASURED = os.environ.get("POLYFLY_LATENCY_WAYS", ";".join(WAYS)).split(";")
 UNCHANGED = 1.5    # a 99.9 % that grows by less with reconfigurations counts as unchanged: so far apart are two runs
@@ -109,11 +105,9 @@ def samples(way):
 def configure(master, maps, law, way, output):
     for axis in ("longitudinal", "lateral", "vertical"):
         master.set(**{"controller__maps__" + axis: os.path.join(maps, "multirotor_%s.map" % axis)})
-    # Real-time priority where it is permitted; so that what else runs on this machine is not measured.
-    master.set(probe__priority=PRIORITY, probe__samples=samples(way), probe__rate=RATE, probe__output=output,
+    master.set(probe__samples=samples(way), probe__rate=RATE, probe__output=output,
                probe__turn=TURN, load__rate=RATE, load__turn=TURN, controller__law=law,
                controller__controller__stale_periods=10000)
-    master.set(**{name: value for name, value in WAYS[way].items() if "__" in name})
 
 
 def start_nodelets(master):
@@ -167,7 +161,7 @@ def measure_echo():
         master = Master()
         try:
             path = os.path.join(folder, "probe.json")
-            master.set(probe__priority=PRIORITY, probe__samples=SAMPLES, probe__rate=RATE, probe__output=path)
+            master.set(probe__samples=SAMPLES, probe__rate=RATE, probe__output=path)
             master.start([program("polyfly_test", "command_echo"), "__name:=echo"])
             master.start([program("polyfly_test", "latency_probe"), "__name:=probe"])
             latency = read_figures(path, SAMPLES, "who computes nothing")["calm"]["latency"]

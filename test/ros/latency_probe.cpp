@@ -7,7 +7,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "online_controller_ros/real_time.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -15,9 +14,8 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kConnectPatience = 30.0;              // [s]
-constexpr double kAnswerPatience = 0.05;               // [s]
-constexpr auto kLook = std::chrono::microseconds(50);  // between two looks for what another thread notes
+constexpr double kConnectPatience = 30.0;  // [s]
+constexpr double kAnswerPatience = 0.05;   // [s]
 
 double microseconds(std::chrono::steady_clock::duration time) {
   return 1e6 * std::chrono::duration<double>(time).count();
@@ -26,7 +24,7 @@ double microseconds(std::chrono::steady_clock::duration time) {
 }  // namespace
 
 LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
-    : handle_(handle), consumer_(readConsumer(private_handle)), turns_(private_handle.param("turn", 0.0)) {
+    : handle_(handle), turns_(private_handle.param("turn", 0.0)) {
   private_handle.param("samples", samples_, samples_);
   private_handle.param("warm_up", warm_up_, warm_up_);
   private_handle.param("rate", rate_, rate_);
@@ -36,26 +34,7 @@ LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle&
   odometry_ = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
   pose_ = handle_.advertise<geometry_msgs::PoseStamped>("command/pose", 1, true);
   subscribe();
-  RealTimeOptions real_time;
-  private_handle.param("priority", real_time.priority, 0);
-  const auto begin = [real_time] {
-    const std::string refused = becomeRealTime(real_time);
-    if (!refused.empty()) ROS_WARN("latency probe: %s", refused.c_str());
-  };
-  if (consumer_ == Consumer::kOwn)
-    consumer_thread_.emplace(queue_, "consumer", CallbackThread::Tasks{begin, {}});
-  thread_ = std::thread([this, begin] {
-    begin();
-    run();
-  });
-}
-
-LatencyProbe::Consumer LatencyProbe::readConsumer(const ros::NodeHandle& private_handle) {
-  const std::string name = private_handle.param<std::string>("consumer", "probe");
-  if (name == "publisher") return Consumer::kPublisher;
-  if (name == "probe") return Consumer::kProbe;
-  if (name == "own") return Consumer::kOwn;
-  throw polyfly::Error("latency probe: consumer: must be one of publisher, probe, own, got '" + name + "'");
+  thread_ = std::thread([this] { run(); });
 }
 
 void LatencyProbe::subscribe() {
@@ -64,10 +43,9 @@ void LatencyProbe::subscribe() {
       "command/roll_pitch_yawrate_thrust", 10,
       [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr& command) {
         heard_ = Clock::now();
-        answered_.store(command->header.stamp.toNSec(), std::memory_order_release);
+        answered_ = command->header.stamp.toNSec();
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
-  if (consumer_ == Consumer::kPublisher) options.callback_queue = &inline_queue_;
   command_subscriber_ = handle_.subscribe(options);
   options.init<online_controller::ControllerStatus>(
       "controller_status", 10, [this](const online_controller::ControllerStatus::ConstPtr& status) {
@@ -144,13 +122,9 @@ bool LatencyProbe::enough() const {
 
 bool LatencyProbe::waitForCommand(std::uint64_t stamp) {
   const Clock::time_point start = Clock::now();
-  while (answered_.load(std::memory_order_acquire) != stamp) {
+  while (answered_ != stamp) {
     if (Clock::now() - start > std::chrono::duration<double>(kAnswerPatience)) return false;
-    if (consumer_ != Consumer::kProbe) {
-      std::this_thread::sleep_for(kLook);
-    } else {
-      queue_.callOne(ros::WallDuration(kAnswerPatience));
-    }
+    queue_.callOne(ros::WallDuration(kAnswerPatience));
   }
   return true;
 }

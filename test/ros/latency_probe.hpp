@@ -2,17 +2,15 @@
 
 #include <mav_msgs/RollPitchYawrateThrust.h>
 #include <online_controller/ControllerStatus.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <thread>
 
-#include "online_controller_ros/callback_thread.hpp"
-#include "online_controller_ros/inline_callback_queue.hpp"
 #include "probe_times.hpp"
 
 namespace polyfly_ros {
@@ -28,17 +26,6 @@ class LatencyProbe {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Whose thread takes the command.
-  enum class Consumer {
-    /// Thread that publishes the command.
-    kPublisher,
-    /// Thread of the probe, which has published the odometry and waits.
-    kProbe,
-    /// Thread that does nothing else, and sleeps.
-    kOwn,
-  };
-
-  static Consumer readConsumer(const ros::NodeHandle& private_handle);
   void subscribe();
   void run();
   bool waitForCommand(std::uint64_t stamp);
@@ -48,15 +35,12 @@ class LatencyProbe {
   void write() const;
 
   // Queue of the commands. It outlives what is served on it.
-  WaitableQueue queue_;
+  ros::CallbackQueue queue_;
   ros::CallbackQueue status_queue_;
-  polyfly::TryLock lock_;
-  InlineCallbackQueue inline_queue_{lock_, queue_};
   ros::NodeHandle handle_;
   int samples_ = 1000;
   int warm_up_ = 100;
   double rate_ = 100.0;  // [1/s]
-  Consumer consumer_ = Consumer::kProbe;
   std::string output_;
 
   ros::Publisher odometry_;
@@ -65,13 +49,12 @@ class LatencyProbe {
   ros::Subscriber status_subscriber_;
   // Time at which the last command came.
   Clock::time_point heard_;
-  // Stamp of the last command [ns]. Data that were written before it can be read.
-  std::atomic<std::uint64_t> answered_{0};
+  // Stamp of the last command [ns].
+  std::uint64_t answered_ = 0;
   Turns turns_;
   ProbeTimes calm_, loaded_;
   // Times that the measured values belong to: calm_ or loaded_. It is nullptr while a turn begins.
   ProbeTimes* now_ = nullptr;
-  std::optional<CallbackThread> consumer_thread_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

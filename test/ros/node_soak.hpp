@@ -46,7 +46,7 @@ class NodeSoak final : public polyfly_test::SoakController {
   polyfly_test::SoakAnswer answer(bool came);
   void finishSwap();
 
-  WaitableQueue queue_;  // outlives what is served on it
+  ThreadQueue queue_;  // outlives what is served on it
   std::vector<std::string> maps_;
   // Limits in force.
   polyfly::MultirotorOptions in_force_;

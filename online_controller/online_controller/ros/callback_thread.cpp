@@ -4,55 +4,28 @@
 #include <ros/init.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace polyfly_ros {
-namespace {
 
-std::unique_lock<polyfly::TryLock> locked(polyfly::TryLock* lock) {
-  return lock == nullptr ? std::unique_lock<polyfly::TryLock>() : std::unique_lock<polyfly::TryLock>(*lock);
-}
-
-}  // namespace
-
-void WaitableQueue::addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner_id) {
-  ros::CallbackQueue::addCallback(guarded(callback), owner_id);
-  // Whoever has found the queue empty waits by now, and is woken.
-  { const std::lock_guard<std::mutex> lock(mutex_); }
-  added_.notify_one();
-}
-
-void WaitableQueue::waitUntil(Clock::time_point time) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  added_.wait_until(lock, time, [this] { return !isEmpty(); });
-}
-
-CallbackThread::CallbackThread(WaitableQueue& queue, const char* name, Tasks tasks)
-    : thread_([this, &queue, tasks = std::move(tasks)] {
-        if (tasks.begin) tasks.begin();
-        serve(queue, tasks);
-      }) {
+CallbackThread::CallbackThread(ThreadQueue& queue, const char* name, std::function<void()> tick,
+                               double period)
+    : thread_([this, &queue, tick = std::move(tick), period] { serve(queue, tick, period); }) {
   pthread_setname_np(thread_.native_handle(), name);
 }
 
-void CallbackThread::serve(WaitableQueue& queue, const Tasks& tasks) const {
-  using Clock = WaitableQueue::Clock;
-  const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(tasks.period));
-  Clock::time_point next = Clock::now() + period;
+void CallbackThread::serve(ThreadQueue& queue, const std::function<void()>& tick, double period) const {
+  using Clock = std::chrono::steady_clock;
+  const auto step = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period));
+  Clock::time_point next = Clock::now() + step;
   while (!stopping_ && ros::ok()) {
-    if (queue.isEmpty()) {
-      queue.waitUntil(next);
-    } else {
-      const auto lock = locked(tasks.lock);
-      queue.callOne();
-    }
+    const double rest = std::chrono::duration<double>(next - Clock::now()).count();
+    queue.callOne(ros::WallDuration(std::max(0.0, rest)));
     const Clock::time_point now = Clock::now();
     if (now < next) continue;
-    next = std::max(next + period, now);
-    if (!tasks.tick) continue;
-    const auto lock = locked(tasks.lock);
-    runGuarded(tasks.tick);
+    next = std::max(next + step, now);
+    if (tick) runGuarded(tick);
   }
 }
 

@@ -59,7 +59,8 @@ ConfigThread::ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle&
       display_(handle_),
       diagnostics_(handle_, private_handle_, record, laws),
       swap_service_(handle_.advertiseService("swap_maps", &ConfigThread::onSwapMaps, this)),
-      thread_(queue_, "mpc_config", {{}, [this] { onTick(); }, kTick}) {}
+      thread_(
+          queue_, "mpc_config", [this] { onTick(); }, kTick) {}
 
 void ConfigThread::apply() {
   if (record_.commands.load(std::memory_order_relaxed))
@@ -103,10 +104,9 @@ std::string ConfigThread::fixedInMaps() const {
 
 bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
                               online_controller::SwapMaps::Response& response) {
-  const FlightSnapshot* snapshot = record_.latest.read();
   std::array<double, 3> change{};
   try {
-    const LawSetup next = withOtherMaps(setup_, request, snapshot, change);
+    const LawSetup next = withOtherMaps(setup_, request, snapshot(), change);
     // This throws before anything has changed.
     laws_.stage(next);
     // The option table keeps pointing into setup_.
@@ -143,11 +143,13 @@ void ConfigThread::tellOfLaw() {
 
 void ConfigThread::onTick() {
   laws_.reclaim();
-  const FlightSnapshot* snapshot = record_.latest.read();
-  record_.show_paths.store(display_.isWatched(), std::memory_order_relaxed);
-  record_.wanted.store(true, std::memory_order_relaxed);
-  if (snapshot != nullptr) display_.show(*snapshot);
-  diagnostics_.update(snapshot);
+  if (!record_.wanted.load(std::memory_order_acquire)) {
+    snapshot_ = record_.snapshot;
+    record_.show_paths.store(display_.isWatched(), std::memory_order_relaxed);
+    record_.wanted.store(true, std::memory_order_release);
+  }
+  if (snapshot_) display_.show(*snapshot_);
+  diagnostics_.update(snapshot());
   reconfigure_.publish();
   tellOfLaw();
   in_force_.publish();

@@ -18,17 +18,24 @@ namespace {
 constexpr double kIdleInterval = 10.0;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Parameters of earlier versions. A launch file that still sets them flies as without them.
-constexpr const char* kRemoved[] = {"real_time/poll", "real_time/rehearse"};
+constexpr const char* kByPrefix =
+    "start the node, or the nodelet manager, with launch-prefix=\"chrt -f 50 taskset -c 2\"";
+constexpr const char* kByThread = "odometry is answered in the control thread";
 
-/// Parameters of earlier versions that a flight would miss, and what to use instead.
+/// Parameters of earlier versions, and what to use instead.
 constexpr struct {
   const char* name;
   const char* instead;
 } kRefused[] = {{"control_interface/idle_publishes",
                  "nothing is sent before a reference or a take-off; for the set-points that an autopilot "
                  "needs to become guided use "
-                 "control_interface/offboard_stream"}};
+                 "control_interface/offboard_stream"},
+                {"real_time/priority", kByPrefix},
+                {"real_time/core", kByPrefix},
+                {"real_time/lock_memory", kByPrefix},
+                {"real_time/answer", kByThread},
+                {"real_time/poll", kByThread},
+                {"real_time/rehearse", kByThread}};
 
 }  // namespace
 
@@ -40,17 +47,11 @@ ControllerNode::Setup ControllerNode::readSetup(const ros::NodeHandle& private_h
   setup.flight = FlightSetup::read(reader);
   visitNodeOptions(setup.node, reader);
   setup.output = readOutputOptions(reader);
-  visitRealTimeOptions(setup.real_time, reader);
-  setup.answer = reader.text("real_time/answer", "auto, publisher or thread", "auto");
-  setup.in_publisher = answersInPublisher(setup.answer, setup.real_time);
   reader("provenance", setup.provenance);
   reader.passOver(polyfly::kInForceGroup);
   for (const auto& refused : kRefused) {
     if (reader.given(refused.name))
       throw polyfly::Error(std::string("parameter ") + refused.name + " is removed: " + refused.instead);
-  }
-  for (const char* name : kRemoved) {
-    if (reader.given(name)) ROS_WARN("MPC does not use the parameter %s any more; it is ignored", name);
   }
   reader.refuseUnknown(polyfly::ownGroups());
   if (!has_legacy_names) {  // else the import has told
@@ -66,25 +67,23 @@ polyfly::MultirotorParameters ControllerNode::Setup::parameters() const {
   if (flight.pilot != polyfly::PilotRule::kWhenPresent)
     all.use_rc_teleop = flight.pilot == polyfly::PilotRule::kRequired;
   all.provenance = provenance;
-  all.answer = answer;
   all.flight = flight.flight;
   all.node = node;
   all.joy = flight.joy;
   all.output = output;
-  all.real_time = real_time;
   return all;
 }
 
 ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                               const LegacyNames& names, ProcessKind process) try
-    : ControllerNode(handle, private_handle, names, process, readSetup(private_handle, !names.empty())) {
+                               const LegacyNames& names) try
+    : ControllerNode(handle, private_handle, names, readSetup(private_handle, !names.empty())) {
 } catch (const std::exception& error) {
   ROS_FATAL("MPC does not start: %s", error.what());
   throw;
 }
 
 ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                               const LegacyNames& names, ProcessKind process, const Setup& setup)
+                               const LegacyNames& names, const Setup& setup)
     : handle_(onQueue(handle, queue_)),
       laws_(setup.laws),
       watch_(setup.laws.controller.control_period,
@@ -96,17 +95,12 @@ ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHan
       autopilot_(handle_),
       output_(handle_, setup.output, setup.laws.controller),
       reporter_(handle_, laws_, flight_, record_, setup.laws.controller.control_period),
-      law_selector_(handle_, laws_, [this] { finish(); }),
-      odometry_(handle_, setup.in_publisher, process,
-                {[this](const nav_msgs::Odometry& message) { onOdometry(message); }, [this] { finish(); }},
-                lock_, queue_, record_),
+      law_selector_(handle_, laws_),
+      odometry_(handle_.subscribe("odometry", 1, &ControllerNode::onOdometry, this,
+                                  ros::TransportHints().tcpNoDelay())),
       config_thread_(handle, private_handle, {setup.laws, setup.parameters(), names}, laws_, record_),
-      control_thread_(queue_, "mpc_control",
-                      {[real_time = setup.real_time] {
-                         const std::string refused = becomeRealTime(real_time);
-                         if (!refused.empty()) ROS_WARN("MPC: %s", refused.c_str());
-                       },
-                       [this] { onTick(); }, watch_.interval(), &lock_}) {}
+      control_thread_(
+          queue_, "mpc_control", [this] { onTick(); }, watch_.interval()) {}
 
 void ControllerNode::onOdometry(const nav_msgs::Odometry& message) {
   StageClock clock;
@@ -124,47 +118,39 @@ void ControllerNode::onOdometry(const nav_msgs::Odometry& message) {
   if (flight_.sends()) output_.publish(report.command, message.header, accepted ? yawOf(state) : kNan);
   times.output = clock.lap();
 
-  Answered& answered = record(message.header, times);
-  answered.by_odometry = true;
-  answered.state = polyfly::aligned(state, laws_.laws().options().heading_misalignment);
-  answered.accepted = accepted;
-  answered.restarted = flight_.restarted();
+  record(message.header, times);
+  answered_.by_odometry = true;
+  answered_.state = polyfly::aligned(state, laws_.laws().options().heading_misalignment);
+  answered_.accepted = accepted;
+  answered_.restarted = flight_.restarted();
+  reportCommand();
+  interface_.observe(answered_);
+  swapLaws();
+  laws_.flight().prepare();
+  output_.prepare();
+  reporter_.prepared(answered_, clock.lap());
 }
 
-Answered& ControllerNode::record(const std_msgs::Header& header, const StageTimes& times) {
+void ControllerNode::record(const std_msgs::Header& header, const StageTimes& times) {
   const polyfly::ControlReport& report = flight_.report();
-  Answered& answered = answered_.add();
-  answered.header = header;
-  answered.law = laws_.flight().active();
-  answered.report = report;
-  answered.sends = flight_.sends();
-  if (answered.sends)
+  answered_.header = header;
+  answered_.law = laws_.flight().active();
+  answered_.report = report;
+  answered_.sends = flight_.sends();
+  if (answered_.sends)
     record_.commands.store(report.status != polyfly::ControlStatus::kMotorsOff &&
                                report.status != polyfly::ControlStatus::kNoReference,
                            std::memory_order_relaxed);
-  answered.times = times;
-  answered.odometry_age = watch_.age();
-  answered.by_odometry = false;
-  return answered;
+  answered_.times = times;
+  answered_.odometry_age = watch_.age();
+  answered_.by_odometry = false;
 }
 
-// In the control thread. The command is out; this is for the next one, and for those who watch.
-void ControllerNode::finish() {
-  if (answered_.empty()) return;
-  StageClock clock;
-  const Answered& last = answered_.last();
-  for (const Answered& answered : answered_) {
-    reporter_.report(answered, &answered == &last);
-    if (answered.by_odometry) interface_.observe(answered);
-  }
+// The command is out; this is for those who watch.
+void ControllerNode::reportCommand() {
+  reporter_.report(answered_);
   interface_.publishChange();
-  if (last.by_odometry) {
-    swapLaws();
-    laws_.flight().prepare();
-    output_.prepare();
-    reporter_.prepared(last, clock.lap());
-  }
-  answered_.clear();
+  ++answered_.sequence;
 }
 
 void ControllerNode::swapLaws() {
@@ -179,7 +165,7 @@ void ControllerNode::onManual(const ros::Time& now) {
   header.frame_id = watch_.frame();
   output_.publish(flight_.report().command, header, kNan);
   record(header, StageTimes{});
-  finish();
+  reportCommand();
 }
 
 void ControllerNode::onTick() {
@@ -206,7 +192,6 @@ void ControllerNode::tellOfIdleness() const {
 }
 
 void ControllerNode::onSilence() {
-  finish();
   swapLaws();  // nothing is prepared in silence
   std_msgs::Header header;
   header.stamp = watch_.stampInSilence();
@@ -219,7 +204,7 @@ void ControllerNode::onSilence() {
   if (flight_.sends()) output_.publish(report.command, header, kNan);
   times.output = clock.lap();
   record(header, times);
-  finish();
+  reportCommand();
 }
 
 }  // namespace polyfly_ros

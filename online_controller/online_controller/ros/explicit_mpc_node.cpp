@@ -6,8 +6,7 @@
 
 int main(int argc, char** argv) try {
   ros::init(argc, argv, "explicit_mpc");
-  const polyfly_ros::ControllerNode node(ros::NodeHandle(), ros::NodeHandle("~"), {},
-                                         polyfly_ros::ProcessKind::kStandalone);
+  const polyfly_ros::ControllerNode node(ros::NodeHandle(), ros::NodeHandle("~"));
   ros::spin();
 } catch (const std::exception&) {
   // The node has logged the reason.

@@ -9,14 +9,6 @@ using diagnostic_msgs::DiagnosticStatus;
 
 double microseconds(std::int64_t nanoseconds) { return 1e-3 * static_cast<double>(nanoseconds); }
 
-void addTimes(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& name,
-              const polyfly::LatencyHistogram& times) {
-  status.add(name + ", median [us]", microseconds(times.percentile(0.5)));
-  status.add(name + ", p99 [us]", microseconds(times.percentile(0.99)));
-  status.add(name + ", p99.9 [us]", microseconds(times.percentile(0.999)));
-  status.add(name + ", greatest [us]", microseconds(times.greatest()));
-}
-
 }  // namespace
 
 FlightDiagnostics::FlightDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
@@ -54,16 +46,15 @@ void FlightDiagnostics::summarise(diagnostic_updater::DiagnosticStatusWrapper& s
 
 void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   summarise(status);
-  status.add("steps", record_.latency.count());
-  addTimes(status, "odometry to command", record_.latency);
-  addTimes(status, "control law", record_.step);
+  status.add("steps", record_.steps.load(std::memory_order_relaxed));
+  status.add("odometry to command, greatest [us]", microseconds(record_.greatest_latency));
+  status.add("control law, greatest [us]", microseconds(record_.greatest_step));
   for (Counter& counter : counters_) {
     const std::int64_t count = counter.count.load(std::memory_order_relaxed);
     if (count > counter.told) status.mergeSummary(DiagnosticStatus::WARN, counter.warning);
     counter.told = count;
     status.add(counter.name, count);
   }
-  status.add("odometry that waited", record_.waited.load(std::memory_order_relaxed));
   status.add("laws exchanged", laws_.swaps());
   if (snapshot_ == nullptr) return;
   status.add("iterations", snapshot_->report.iterations);

@@ -20,6 +20,11 @@ constexpr double kWarningInterval = 1.0;  // between two warnings [s]
 constexpr double kRemarkInterval = 10.0;  // between two remarks on answers [s]
 constexpr const char* kNothingSent = "; nothing is sent";
 
+// One thread writes.
+void raise(std::atomic<std::int64_t>& greatest, std::int64_t value) {
+  if (value > greatest.load(std::memory_order_relaxed)) greatest.store(value, std::memory_order_relaxed);
+}
+
 bool isIdle(const Answered& answered) {
   return answered.report.status == polyfly::ControlStatus::kNoReference && !answered.sends;
 }
@@ -34,16 +39,17 @@ FlightReporter::FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfl
       control_period_(control_period),
       publisher_(handle.advertise<online_controller::ControllerStatus>("controller_status", 100)) {}
 
-void FlightReporter::report(const Answered& answered, bool last) {
-  if (publisher_.getNumSubscribers() > 0) publishStatus(answered, last);
-  if (last) leaveSnapshot(answered);
+void FlightReporter::report(const Answered& answered) {
+  if (publisher_.getNumSubscribers() > 0) publishStatus(answered);
+  leaveSnapshot(answered);
   logChange(answered);
   if (!answered.by_odometry) return;
   if (polyfly::isOutsideMap(answered.report)) ++record_.outside_map;
   if (answered.report.status == polyfly::ControlStatus::kClipped) ++record_.clipped;
   if (answered.report.status == polyfly::ControlStatus::kLeastViolation) ++record_.without_plan;
-  record_.latency.record(answered.times.latency());
-  record_.step.record(answered.times.step);
+  ++record_.steps;
+  raise(record_.greatest_latency, answered.times.latency());
+  raise(record_.greatest_step, answered.times.step);
 }
 
 void FlightReporter::prepared(const Answered& answered, std::int64_t time) {
@@ -52,14 +58,14 @@ void FlightReporter::prepared(const Answered& answered, std::int64_t time) {
   if (times.whole() > static_cast<std::int64_t>(1e9 * control_period_)) ++record_.overruns;
 }
 
-void FlightReporter::publishStatus(const Answered& answered, bool last) {
+void FlightReporter::publishStatus(const Answered& answered) {
   const auto status = boost::make_shared<online_controller::ControllerStatus>();
   status->header = answered.header;
   status->sequence = answered.sequence;
   status->law = polyfly::lawName(answered.law);
   status->iterations = answered.report.iterations;
   polyfly::LawInsight insight;
-  if (last) laws_.flight().inspect(nullptr, insight);
+  laws_.flight().inspect(nullptr, insight);
   status->kkt_residual = insight.kkt_residual;
   status->odometry_age = answered.odometry_age;
   status->input_time_ns = answered.times.input;
@@ -73,8 +79,8 @@ void FlightReporter::publishStatus(const Answered& answered, bool last) {
 }
 
 void FlightReporter::leaveSnapshot(const Answered& answered) {
-  if (!record_.wanted.exchange(false)) return;
-  FlightSnapshot& snapshot = record_.latest.draft();
+  if (!record_.wanted.load(std::memory_order_acquire)) return;
+  FlightSnapshot& snapshot = record_.snapshot;
   snapshot.header = answered.header;
   snapshot.law = answered.law;
   snapshot.report = answered.report;
@@ -95,7 +101,7 @@ void FlightReporter::leaveSnapshot(const Answered& answered) {
   laws_.flight().inspect(snapshot.reference.data(), insight);
   snapshot.kkt_residual = insight.kkt_residual;
   snapshot.predicted_count = insight.count;
-  record_.latest.publish();
+  record_.wanted.store(false, std::memory_order_release);
 }
 
 std::int64_t FlightReporter::lookupTime(const Answered& answered) {

@@ -3,15 +3,13 @@
 #include <std_msgs/String.h>
 
 #include <string>
-#include <utility>
 
 #include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 
-LawSelector::LawSelector(ros::NodeHandle& handle, ActiveLaws& laws, std::function<void()> before)
+LawSelector::LawSelector(ros::NodeHandle& handle, ActiveLaws& laws)
     : laws_(laws),
-      before_(std::move(before)),
       publisher_(handle.advertise<std_msgs::String>("active_law", 1, true)),
       service_(handle.advertiseService("select_law", &LawSelector::onSelect, this)) {
   publish();
@@ -19,7 +17,6 @@ LawSelector::LawSelector(ros::NodeHandle& handle, ActiveLaws& laws, std::functio
 
 bool LawSelector::onSelect(online_controller::SelectLaw::Request& request,
                            online_controller::SelectLaw::Response& response) {
-  before_();
   try {
     response.success = static_cast<unsigned char>(laws_.select(polyfly::lawOfName(request.law)));
     response.message = (response.success != 0 ? "" : request.law + " is not loaded; ") +

@@ -24,8 +24,7 @@ int main(int argc, char** argv) try {
   if (!legacy.taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", legacy.taken.c_str());
   for (const std::string& text : legacy.unread)
     ROS_WARN("parameters of mav_control_rw not read: %s", text.c_str());
-  const polyfly_ros::ControllerNode node(ros::NodeHandle(), private_handle, legacy.names,
-                                         polyfly_ros::ProcessKind::kStandalone);
+  const polyfly_ros::ControllerNode node(ros::NodeHandle(), private_handle, legacy.names);
   ros::spin();
 } catch (const std::exception&) {
   // The node has logged the reason.

@@ -1,5 +1,4 @@
-// What passes between the control thread and the others: objects handed over, values, durations; and laws
-// that go on where others were.
+// Objects handed over from the configuration thread to the control thread, and laws that go on where others were.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,9 +13,7 @@
 #include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
-#include "online_controller/realtime/latency_histogram.hpp"
 #include "online_controller/realtime/object_swap.hpp"
-#include "online_controller/realtime/triple_buffer.hpp"
 #include "online_support.hpp"
 
 namespace polyfly {
@@ -94,55 +91,6 @@ TEST(ObjectSwap, TwoThreads) {
     EXPECT_GT(taken, 0);
   }
   EXPECT_EQ(Counted::alive, 0);
-}
-
-TEST(TripleBuffer, IsNeverHalfWritten) {
-  struct Pair {
-    long a = 0;
-    long b = 0;
-  };
-  TripleBuffer<Pair> value{Pair{}};
-  EXPECT_EQ(value.read(), nullptr);
-  constexpr long kLast = 200000;
-  std::thread writer([&] {
-    for (long i = 1; i <= kLast; ++i) {
-      value.draft().a = i;
-      value.draft().b = -i;
-      value.publish();
-    }
-  });
-  long seen = 0;
-  while (seen < kLast) {
-    const Pair* pair = value.read();
-    if (pair == nullptr) continue;
-    ASSERT_EQ(pair->a, -pair->b);
-    ASSERT_GE(pair->a, seen);
-    seen = pair->a;
-  }
-  writer.join();
-}
-
-TEST(LatencyHistogram, PercentilesAreThoseOfTheSortedDurations) {
-  LatencyHistogram histogram;
-  EXPECT_EQ(histogram.percentile(0.5), 0);
-  std::mt19937 random(7);
-  std::lognormal_distribution<double> spread(9.0, 1.5);
-  std::vector<std::int64_t> all{-5, 0, 1, 15, 16, 17, std::int64_t{1} << 45};
-  for (int i = 0; i < 20000; ++i) all.push_back(std::llround(spread(random)));
-  for (const std::int64_t duration : all) histogram.record(duration);
-  std::sort(all.begin(), all.end());
-  EXPECT_EQ(histogram.count(), static_cast<std::int64_t>(all.size()));
-  EXPECT_EQ(histogram.greatest(), all.back());
-  EXPECT_EQ(histogram.percentile(1.0), all.back());
-  for (const double share : {0.001, 0.1, 0.5, 0.9, 0.99, 0.999}) {
-    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(all.size()))) - 1;
-    const auto exact = static_cast<double>(all[rank]);
-    const auto told = static_cast<double>(histogram.percentile(share));
-    EXPECT_GE(told, exact);
-    EXPECT_LE(told, exact * (1.0 + 1.0 / 16.0) + 1.0);
-  }
-  histogram.clear();
-  EXPECT_EQ(histogram.count(), 0);
 }
 
 // A vehicle that wanders about, and what it shall follow.

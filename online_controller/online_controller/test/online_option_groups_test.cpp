@@ -26,7 +26,6 @@ TEST(OptionGroups, ASlipAwayIsMeant) {
   EXPECT_EQ(meant("kf_observer"), "KF_observer");
   EXPECT_EQ(meant("map"), "maps");
   EXPECT_EQ(meant("RC"), "rc");
-  EXPECT_EQ(meant("realtime"), "real_time");
   EXPECT_EQ(meant("reference_limit"), "reference_limits");
 }
 

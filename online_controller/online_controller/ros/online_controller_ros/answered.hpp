@@ -2,8 +2,6 @@
 
 #include <std_msgs/Header.h>
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 
 #include "online_controller/laws/law_switch.hpp"
@@ -26,7 +24,8 @@ struct StageTimes {
   std::int64_t whole() const noexcept { return latency() + prepare; }
 };
 
-/// One command, or the decision to send none, as it is reported after it was sent.
+/// One command, or the decision to send none, as it is reported after it was sent. Allocates only where a frame's name is
+/// longer than those before.
 struct Answered {
   /// Header of the command.
   std_msgs::Header header;
@@ -36,7 +35,7 @@ struct Answered {
   bool sends = false;
   StageTimes times;
   double odometry_age = 0.0;  ///< [s]
-  /// Number of commands before this one, set by AnsweredList.
+  /// Number of commands before this one.
   std::uint32_t sequence = 0;
 
   /// True: in answer to odometry. False: in its silence, or by the sticks.
@@ -47,30 +46,6 @@ struct Answered {
   bool accepted = false;
   /// Value of FlightSupervisor::restarted().
   bool restarted = false;
-};
-
-/// Commands that were sent and are not reported yet. When it is full the last one is replaced, which a gap in the
-/// sequence shows. Allocates only where a frame's name is longer than those before.
-class AnsweredList {
- public:
-  /// The next one; the caller fills all but its sequence.
-  Answered& add() noexcept {
-    if (count_ < entries_.size()) ++count_;
-    Answered& entry = entries_[count_ - 1];
-    entry.sequence = sequence_++;
-    return entry;
-  }
-  void clear() noexcept { count_ = 0; }
-
-  bool empty() const noexcept { return count_ == 0; }
-  const Answered& last() const noexcept { return entries_[count_ - 1]; }
-  const Answered* begin() const noexcept { return entries_.data(); }
-  const Answered* end() const noexcept { return entries_.data() + count_; }
-
- private:
-  std::array<Answered, 8> entries_;
-  std::size_t count_ = 0;
-  std::uint32_t sequence_ = 0;
 };
 
 }  // namespace polyfly_ros

@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 #include <ros/service_server.h>
 
+#include <optional>
 #include <string>
 
 #include "online_controller/parameters/multirotor_parameters.hpp"
@@ -45,10 +46,11 @@ class ConfigThread {
                   online_controller::SwapMaps::Response& response);
   std::string waitForSwap() const;
   void tellOfLaw();
+  const FlightSnapshot* snapshot() const { return snapshot_ ? &*snapshot_ : nullptr; }
   void onTick();
 
   // Queue of this thread; outlives all that is served on it.
-  WaitableQueue queue_;
+  ThreadQueue queue_;
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_;
   // Setup that was staged last.
@@ -56,6 +58,8 @@ class ConfigThread {
   polyfly::MultirotorParameters start_;
   ActiveLaws& laws_;
   FlightRecord& record_;
+  // The last one, of at most a tick ago; none before the first odometry.
+  std::optional<FlightSnapshot> snapshot_;
   // Options of setup_.
   OptionTable table_;
   // Bounds on changes of the table's values.

@@ -2,8 +2,8 @@
 
 #include <nav_msgs/Odometry.h>
 #include <ros/node_handle.h>
+#include <ros/subscriber.h>
 
-#include "online_controller/realtime/try_lock.hpp"
 #include "online_controller/types/node_options.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller_ros/active_laws.hpp"
@@ -17,23 +17,20 @@
 #include "online_controller_ros/flight_snapshot.hpp"
 #include "online_controller_ros/law_selector.hpp"
 #include "online_controller_ros/law_setup.hpp"
-#include "online_controller_ros/odometry_input.hpp"
 #include "online_controller_ros/odometry_watch.hpp"
-#include "online_controller_ros/real_time.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
 
 /// The controller on ROS topics: odometry and references in, attitude commands and status out. Topics and
 /// parameters are listed in online_controller/README.md. It has two threads: one for control, and one for
-/// configuration, which control does not wait for. Odometry may be answered in the thread that brings it, see
-/// OdometryInput; the control thread does the rest.
+/// configuration, which control does not wait for.
 class ControllerNode {
  public:
   /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
   /// the parameters or a map are not fit to fly. `names` are further names under which options can be changed.
   ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                 const LegacyNames& names = {}, ProcessKind process = ProcessKind::kNodeletManager);
+                 const LegacyNames& names = {});
 
  private:
   struct Setup {
@@ -41,13 +38,8 @@ class ControllerNode {
     FlightSetup flight;
     polyfly::NodeOptions node;
     OutputOptions output;
-    RealTimeOptions real_time;
-    // Value of real_time/answer.
-    std::string answer;
     // Where calibrated numbers come from.
     std::string provenance;
-    // True when odometry is answered in the thread that brings it.
-    bool in_publisher = true;
 
     // All but what the laws are made from.
     polyfly::MultirotorParameters parameters() const;
@@ -55,23 +47,21 @@ class ControllerNode {
 
   static Setup readSetup(const ros::NodeHandle& private_handle, bool has_legacy_names);
   ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                 const LegacyNames& names, ProcessKind process, const Setup& setup);
+                 const LegacyNames& names, const Setup& setup);
 
   void onOdometry(const nav_msgs::Odometry& message);
   void onManual(const ros::Time& now);
   void onTick();
   void onSilence();
 
-  Answered& record(const std_msgs::Header& header, const StageTimes& times);
-  void finish();
+  void record(const std_msgs::Header& header, const StageTimes& times);
+  void reportCommand();
   void swapLaws();
   void heedAutopilot();
   void tellOfIdleness() const;
 
-  // Guards all that follows, except the configuration thread's members.
-  polyfly::TryLock lock_;
   // Queue of the control thread; outlives all that is served on it.
-  WaitableQueue queue_;
+  ThreadQueue queue_;
   ros::NodeHandle handle_;
   ActiveLaws laws_;
   OdometryWatch watch_;
@@ -81,11 +71,11 @@ class ControllerNode {
   AutopilotInput autopilot_;
   CommandOutput output_;
   FlightReporter reporter_;
-  // Commands that are answered and not finished.
-  AnsweredList answered_;
+  // The last command.
+  Answered answered_;
   LawSelector law_selector_;
-  // These end first, the last one before the others.
-  OdometryInput odometry_;
+  ros::Subscriber odometry_;
+  // These end first, the last one before the other.
   ConfigThread config_thread_;
   CallbackThread control_thread_;
 };

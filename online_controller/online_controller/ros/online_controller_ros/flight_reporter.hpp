@@ -20,15 +20,14 @@ class FlightReporter {
   FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfly::FlightSupervisor& flight,
                  FlightRecord& record, double control_period);
 
-  /// `last`: no step has followed it, and none is prepared. Only then are the quality of its solution and what it
-  /// tracked known.
-  void report(const Answered& answered, bool last);
+  /// Before the next step is prepared.
+  void report(const Answered& answered);
 
   /// The time of the work since the command of `answered` [ns].
   void prepared(const Answered& answered, std::int64_t time);
 
  private:
-  void publishStatus(const Answered& answered, bool last);
+  void publishStatus(const Answered& answered);
   void leaveSnapshot(const Answered& answered);
   std::int64_t lookupTime(const Answered& answered);
   void logChange(const Answered& answered);

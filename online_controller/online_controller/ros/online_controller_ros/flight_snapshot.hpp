@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "online_controller/laws/law_switch.hpp"
-#include "online_controller/realtime/latency_histogram.hpp"
-#include "online_controller/realtime/triple_buffer.hpp"
 #include "online_controller/types/types.hpp"
 #include "online_controller_ros/answered.hpp"
 
@@ -36,20 +34,22 @@ struct FlightSnapshot {
 
 /// What the control thread counts and leaves for the other thread to read, without a lock.
 struct FlightRecord {
-  explicit FlightRecord(std::size_t points) : latest(blank(points)) {}
+  explicit FlightRecord(std::size_t points) : snapshot(blank(points)) {}
 
-  polyfly::TripleBuffer<FlightSnapshot> latest;
-  /// True when somebody waits for a snapshot.
+  /// The control thread's while a snapshot is wanted, then the other thread's until it wants the next one.
+  FlightSnapshot snapshot;
   std::atomic<bool> wanted{true};
   /// True when a snapshot needs reference and prediction.
   std::atomic<bool> show_paths{false};
   /// True when commands were sent, since the start or since the vehicle landed.
   std::atomic<bool> commands{false};
 
-  /// Time from odometry to command.
-  polyfly::LatencyHistogram latency;
-  /// Time of the law alone.
-  polyfly::LatencyHistogram step;
+  /// Number of odometry messages that were answered.
+  std::atomic<std::int64_t> steps{0};
+  /// Greatest time from odometry to command [ns].
+  std::atomic<std::int64_t> greatest_latency{0};
+  /// Greatest time of the law alone [ns].
+  std::atomic<std::int64_t> greatest_step{0};
   /// Number of periods that took longer than the control period.
   std::atomic<std::int64_t> overruns{0};
   /// Number of samples that a map did not hold, see polyfly::isOutsideMap.
@@ -60,8 +60,6 @@ struct FlightRecord {
   std::atomic<std::int64_t> without_plan{0};
   /// Number of odometry messages that are missing between two that came.
   std::atomic<std::int64_t> lost{0};
-  /// Number of odometry messages that came while something else was done.
-  std::atomic<std::int64_t> waited{0};
 
  private:
   static FlightSnapshot blank(std::size_t points) {

@@ -5,8 +5,6 @@
 #include <ros/publisher.h>
 #include <ros/service_server.h>
 
-#include <functional>
-
 #include "online_controller_ros/active_laws.hpp"
 
 namespace polyfly_ros {
@@ -14,8 +12,8 @@ namespace polyfly_ros {
 /// The topic `active_law` and the service `select_law`.
 class LawSelector {
  public:
-  /// `before` is called before a law is selected. Keeps a reference to `laws`.
-  LawSelector(ros::NodeHandle& handle, ActiveLaws& laws, std::function<void()> before);
+  /// Keeps a reference to `laws`.
+  LawSelector(ros::NodeHandle& handle, ActiveLaws& laws);
 
  private:
   bool onSelect(online_controller::SelectLaw::Request& request,
@@ -23,7 +21,6 @@ class LawSelector {
   void publish();
 
   ActiveLaws& laws_;
-  std::function<void()> before_;
   ros::Publisher publisher_;
   ros::ServiceServer service_;
 };

@@ -261,6 +261,7 @@ class ExplicitMpcTest(MapsFixture):
         self.assertIn("law: must be one of", self.refusal(parameters={"law": "quick"}))
         self.assertIn("use control_interface/offboard_stream",
                       self.refusal(parameters={"control_interface/idle_publishes": True}))
+        self.assertIn("launch-prefix", self.refusal(parameters={"real_time/priority": 10}))
         self.assertIn("/controller/nonlinear/horizon: must lie in", self.refusal(parameters={"nonlinear/horizon": 0}))
 
     @unittest.skipUnless("nodelet" in sys.argv, "of the nodelet only")

@@ -27,8 +27,6 @@ struct MultirotorParameters {
   std::optional<bool> use_rc_teleop;
   /// Where calibrated numbers come from: the text of `calibrate apply`.
   std::string provenance;
-  /// Value of real_time/answer.
-  std::string answer = "auto";
   /// Of each law that has maps, in the order of lawTypes().
   MapPaths maps = MapPaths(lawTypes().size());
   /// The laws' own options, in the same order.
@@ -42,7 +40,6 @@ struct MultirotorParameters {
   NodeOptions node;
   JoyLayout joy;
   OutputOptions output;
-  RealTimeOptions real_time;
 };
 
 template <class Paths, class Visit>
@@ -73,8 +70,6 @@ void visitMultirotorParameters(Parameters& parameters, Visit&& visit) {
   visitFlightOptions(parameters.flight, visit);
   visitJoyLayout(parameters.joy, visit);
   visitOutputOptions(parameters.output, visit);
-  visit("real_time/answer", parameters.answer);
-  visitRealTimeOptions(parameters.real_time, visit);
 }
 
 /// The parameters in a YAML file, by the rules of the node. Throws Error naming file, field and rule where the node

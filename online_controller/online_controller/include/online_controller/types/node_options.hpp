@@ -71,21 +71,4 @@ void visitOutputOptions(Options& options, Visit&& visit) {
 /// Throws Error when nothing is sent.
 void checkOutputOptions(const OutputOptions& options);
 
-/// What the operating system does for the control thread.
-struct RealTimeOptions {
-  /// Priority of SCHED_FIFO; 0 or -1: not real-time.
-  int priority = 0;
-  /// The only processor on which the thread runs; -1: any.
-  int core = -1;
-  /// Whether the whole process is kept in memory.
-  bool lock_memory = false;
-};
-
-template <class Options, class Visit>
-void visitRealTimeOptions(Options& options, Visit&& visit) {
-  visit("real_time/priority", options.priority, "of SCHED_FIFO", Range{-1.0, 99.0});
-  visit("real_time/core", options.core, "", Range{-1.0, 1023.0});
-  visit("real_time/lock_memory", options.lock_memory);
-}
-
 }  // namespace polyfly

@@ -10,10 +10,9 @@ namespace polyfly {
 constexpr const char* kSharedGroup = "KF_observer";
 
 /// The groups of a multirotor controller's options, as parameters of its node and as keys of its YAML files.
-constexpr std::array<const char*, 13> kOptionGroups{
-    "vehicle", "controller",  "linear",          "nonlinear",         kSharedGroup,
-    "maps",    "robust_maps", "problems",        "control_interface", "rc",
-    "output",  "real_time",   "reference_limits"};
+constexpr std::array<const char*, 12> kOptionGroups{
+    "vehicle",  "controller",        "linear", "nonlinear", kSharedGroup,      "maps", "robust_maps",
+    "problems", "control_interface", "rc",     "output",    "reference_limits"};
 
 /// Its options without a group; `provenance` is the text of `calibrate apply` on where numbers come from.
 constexpr std::array<const char*, 4> kSingleOptions{"law", "odometry_frame", "use_rc_teleop", "provenance"};
