@@ -191,8 +191,9 @@ class Axis {
   /// is left alone. Where a map has no answer:
   /// - its problem is solved online: kOptimal with a look-up that is not kInside;
   /// - with options.solve_outside unset, the parameters are clipped to the map's box: kClipped;
-  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) answers as at
-  ///   the nearest errors that have one, see NearestFeasible: kLeastViolation, with the working sets in `iterations`.
+  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) answers with its
+  ///   errors shrunk: the greatest share of the clipped errors that has a plan (of all parameters, where no share does):
+  ///   kLeastViolation.
   ///
   /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it. Then the bounds, and
   /// nothing else, are those of the model's input with the offset.
@@ -251,13 +252,11 @@ class Axis {
   int firstOutside(const Parameters& theta) const noexcept;
   ControlStatus answer(AxisReport& report, double& input) noexcept;
   double nextInput(const Prediction& at) const noexcept;
-  Lookup answerNearest(AxisReport& report, double& input) noexcept;
+  Lookup answerShrunk(const AxisReport& report, double& input) noexcept;
 
   std::unique_ptr<AxisLaw> law_;
   // Law for points where law_, a map, has no answer; nullptr: none.
   std::unique_ptr<AxisLaw> beyond_;
-  // Where a plan meets all bounds, for the map of a minimum-peak robust MPC; nullptr: none.
-  std::unique_ptr<NearestFeasible> feasible_set_;
   // True when beyond_ gave the answer of the last evaluate().
   bool answered_beyond_ = false;
   std::array<AxisEntry, kMaxParameters> entries_{};

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "online_controller/laws/nearest_feasible.hpp"
 #include "region_maps/lookup.hpp"
 #include "region_maps/signal.hpp"
 
@@ -33,11 +32,6 @@ class AxisLaw {
   /// For a map of a tracking problem: a law that solves the same problem online, with the parameters in the
   /// same order; nullptr for others. Throws Error.
   virtual std::unique_ptr<AxisLaw> onlineEquivalent() const { return nullptr; }
-
-  /// For a map of a minimum-peak robust MPC: its feasible set, see NearestFeasible; nullptr for others. Throws Error.
-  virtual std::unique_ptr<NearestFeasible> feasibleSet(const std::vector<bool>& /*movable*/) const {
-    return nullptr;
-  }
 
   /// The stages of the problem; 0 where they cannot have references of their own.
   virtual int stages() const noexcept { return 0; }

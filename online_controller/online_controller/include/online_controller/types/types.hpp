@@ -68,7 +68,7 @@ enum class ControlStatus : std::uint8_t {
   kMotorsOff = 8,
   /// Answer of the law within all limits, but the search was ended before the optimum, or the reason is kContradiction.
   kSuboptimal = 9,
-  /// Robust law: no plan meets all bounds. Its answer at the nearest parameters that have one, see NearestFeasible.
+  /// Robust law: no plan meets all bounds. Its answer at the greatest share of the errors that has one.
   kLeastViolation = 10,
 };
 constexpr int kControlStatusCount = 11;

@@ -7,6 +7,12 @@
 #include "online_controller/types/valid.hpp"
 
 namespace polyfly {
+namespace {
+
+// Bisections of the share of the errors that has a plan.
+constexpr int kHalvings = 30;
+
+}  // namespace
 
 bool Axis::areStagesValid() const noexcept { return isValidNumber(stage_references_->greatest()); }
 
@@ -173,8 +179,8 @@ ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
     lookup = law_->evaluate(clipped(report.theta).data(), &input);
     status = ControlStatus::kClipped;
   }
-  if (lookup.status == LookupStatus::kOutsidePartition && feasible_set_ != nullptr) {
-    lookup = answerNearest(report, input);
+  if (lookup.status == LookupStatus::kOutsidePartition && law_->problem().minimum_peak) {
+    lookup = answerShrunk(report, input);
     status = ControlStatus::kLeastViolation;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
@@ -182,17 +188,33 @@ ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
   return status;
 }
 
-// The errors are those that are measured, whatever their ranges. References count within theirs.
-Lookup Axis::answerNearest(AxisReport& report, double& input) noexcept {
-  const Parameters within = clipped(report.theta);
-  Parameters theta = report.theta;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
-    if (!isError(entries_[i])) theta[i] = within[i];
-  Parameters nearest{};
-  const bool found = feasible_set_->find(theta.data(), nearest.data());
-  report.iterations = feasible_set_->iterations();
-  if (!found) return {};
-  return law_->evaluate(clipped(nearest).data(), &input);
+// The map covers a convex set, so along the way to zero the answers begin at one place.
+Lookup Axis::answerShrunk(const AxisReport& report, double& input) noexcept {
+  const Parameters asked = clipped(report.theta);
+  for (const bool all : {false, true}) {
+    const auto answer_at = [&](double share) {
+      Parameters theta = asked;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
+        if (all || isError(entries_[i])) theta[i] *= share;
+      }
+      return law_->evaluate(theta.data(), &input);
+    };
+    double inside = 0.0, outside = 1.0;
+    Lookup lookup = answer_at(inside);
+    if (lookup.status != LookupStatus::kInside) continue;
+    for (int k = 0; k < kHalvings; ++k) {
+      const double middle = 0.5 * (inside + outside);
+      const Lookup found = answer_at(middle);
+      if (found.status != LookupStatus::kInside) {
+        outside = middle;
+        continue;
+      }
+      inside = middle;
+      lookup = found;
+    }
+    return lookup;
+  }
+  return {};
 }
 
 }  // namespace polyfly

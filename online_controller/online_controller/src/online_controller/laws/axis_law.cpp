@@ -28,9 +28,6 @@ class ExplicitAxisLaw final : public AxisLaw {
   }
   void lookUp(const double* theta, double* input) const noexcept override { map_->evaluate(theta, input); }
   std::unique_ptr<AxisLaw> onlineEquivalent() const override;
-  std::unique_ptr<NearestFeasible> feasibleSet(const std::vector<bool>& movable) const override {
-    return problem_.minimum_peak ? std::make_unique<NearestFeasible>(*map_, movable) : nullptr;
-  }
   int stages() const noexcept override { return problem_.minimum_peak ? 0 : problem_.horizon; }
   void reset() noexcept override {}
 

@@ -105,9 +105,6 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
     drag_.emplace(law_->problem(), observerOptions(law_->problem(), names, options), velocity_state_,
                   kDragDeviation / std::abs(disturbance_gain_));
   if (options.solve_outside) beyond_ = law_->onlineEquivalent();
-  std::vector<bool> errors;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) errors.push_back(isError(entries_[i]));
-  feasible_set_ = law_->feasibleSet(errors);
   if (options.look_ahead) prepareLookAhead(names);
 }
 
