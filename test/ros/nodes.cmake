@@ -34,6 +34,7 @@ if(CATKIN_ENABLE_TESTING)
   polyfly_warnings(node_soak_test)
   add_rostest(rostest/soak.test DEPENDENCIES node_soak_test)
   add_rostest(rostest/hostile_stamps.test DEPENDENCIES polyfly_test_ros)
+  add_rostest(rostest/lookup_rover.test)
   foreach(test calibration flights launch_files robust_flights safety_filter)
     add_rostest(rostest/${test}.test
       DEPENDENCIES polyfly_test_ros multirotor_plant_node figure_player_node flight_recorder_node)

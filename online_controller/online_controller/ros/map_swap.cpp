@@ -1,5 +1,6 @@
 #include "online_controller_ros/map_swap.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -26,14 +27,6 @@ double inputRange(const RegionMap& map) { return map.inputs().at(0).upper - map.
   throw Error(map.path() + ": " + rule);
 }
 
-void requireSamePeriod(const RegionMap& now, const RegionMap& next) {
-  if (now.period() != next.period()) {
-    std::ostringstream rule;
-    rule << "period must be that of the map in force, " << now.period() << " s, got " << next.period();
-    refuse(next, rule.str());
-  }
-}
-
 void requireRest(const RegionMap& map) {
   const std::vector<double> rest(map.parameters().size(), 0.0);
   double input = 0.0;
@@ -54,28 +47,44 @@ bool reorder(const RegionMap& now, const RegionMap& next, const double* theta, s
   return ordered.size() == next.parameters().size();
 }
 
-/// How far the answers lie apart at the last sample, NaN where the map in force has none.
-double changeAt(const RegionMap& now, const RegionMap& next, const polyfly::AxisReport& last) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> theta;
-  double before = 0.0, after = 0.0;
-  if (last.size != static_cast<int>(now.parameters().size())) return kNone;
-  if (now.evaluate(last.theta.data(), &before).status != LookupStatus::kInside) return kNone;
-  if (!reorder(now, next, last.theta.data(), theta)) return kNone;
-  if (next.evaluate(theta.data(), &after).status != LookupStatus::kInside)
-    refuse(next, "has no answer at the present state, where the map in force has one");
-  return std::abs(after - before);
-}
-
-void requireSmall(const RegionMap& next, double change, double share) {
-  if (!(change > share * inputRange(next))) return;
+void requireSmall(const RegionMap& next, std::size_t input, double change, double share) {
+  const polyfly::Signal& signal = next.inputs()[input];
+  if (!(change > share * (signal.upper - signal.lower))) return;
   std::ostringstream rule;
-  rule << "would change the command by " << change << " " << next.inputs().at(0).unit
+  rule << "would change the command by " << change << " " << signal.unit
        << " at the present state, more than " << share << " of its range";
   refuse(next, rule.str());
 }
 
 }  // namespace
+
+void requireSamePeriod(const RegionMap& now, const RegionMap& next) {
+  if (now.period() != next.period()) {
+    std::ostringstream rule;
+    rule << "period must be that of the map in force, " << now.period() << " s, got " << next.period();
+    refuse(next, rule.str());
+  }
+}
+
+double requireSimilar(const RegionMap& now, const RegionMap& next, const std::vector<double>& last,
+                      double most_change) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (!(most_change >= 0.0)) throw Error("most_change: must be 0 or more");
+  const double share = most_change > 0.0 ? most_change : kMostChange;
+  std::vector<double> theta, before(now.inputs().size()), after(next.inputs().size());
+  if (last.size() != now.parameters().size()) return kNone;
+  if (now.evaluate(last.data(), before.data()).status != LookupStatus::kInside) return kNone;
+  if (!reorder(now, next, last.data(), theta)) return kNone;
+  if (next.evaluate(theta.data(), after.data()).status != LookupStatus::kInside)
+    refuse(next, "has no answer at the present state, where the map in force has one");
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double change = std::abs(after[i] - before[i]);
+    requireSmall(next, i, change, share);
+    greatest = std::max(greatest, change);
+  }
+  return greatest;
+}
 
 polyfly::Law lawOfSwap(const online_controller::SwapMaps::Request& request) {
   if (!request.law.empty()) return polyfly::lawOfName(request.law);
@@ -90,8 +99,6 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
     return of.sources->mapsOf(law);
   };
   if (maps_of(setup).empty()) throw Error("swap_maps: this controller was started without such maps");
-  if (!(request.most_change >= 0.0)) throw Error("swap_maps: most_change: must be 0 or more");
-  const double share = request.most_change > 0.0 ? request.most_change : kMostChange;
   const std::array<std::string, 3> wanted{request.longitudinal, request.lateral, request.vertical};
   const bool feeds_linear = law == polyfly::lawOfName("explicit_linear");
   LawSetup next = setup;
@@ -112,9 +119,12 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
     // The law linear has the parameters of explicit_linear.
     const bool comparable =
         last != nullptr && (last->law == law || (feeds_linear && last->law == polyfly::lawOfName("linear")));
-    if (!comparable) continue;
-    change[i] = changeAt(now, map, last->report.axis[i]);
-    requireSmall(map, change[i], share);
+    std::vector<double> theta;
+    if (comparable) {
+      const polyfly::AxisReport& axis = last->report.axis[i];
+      theta.assign(axis.theta.begin(), axis.theta.begin() + axis.size);
+    }
+    change[i] = requireSimilar(now, map, theta, request.most_change);
   }
   // The linear law solves the problems in the maps, unless files give it its own.
   if (setup.files.problems[0].empty() && feeds_linear)
