@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "../../test/exact_volume.hpp"
 #include "../../test/map_in_memory.hpp"
 #include "../../test/random.hpp"
 #include "made_robust.hpp"

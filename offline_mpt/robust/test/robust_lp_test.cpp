@@ -6,8 +6,8 @@
 
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
+#include "full_program.hpp"
 #include "made_robust.hpp"
-#include "robust_mpc/full_program.hpp"
 #include "robust_mpc/online_lp.hpp"
 
 namespace polyfly {

@@ -14,10 +14,10 @@
 
 #include "../../test/glpk_lp.hpp"
 #include "../../test/map_in_memory.hpp"
+#include "full_program.hpp"
 #include "offline_mpt/encode.hpp"
 #include "polyfly_base/error.hpp"
 #include "random_robust.hpp"
-#include "robust_mpc/full_program.hpp"
 #include "robust_mpc/prove_map.hpp"
 
 namespace polyfly {

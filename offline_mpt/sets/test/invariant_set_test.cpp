@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "../../test/exact_volume.hpp"
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
 #include "../../test/reference_problems.hpp"

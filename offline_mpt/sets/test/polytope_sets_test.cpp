@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "../../test/exact_volume.hpp"
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
 #include "polyfly_base/error.hpp"

@@ -14,7 +14,7 @@ namespace polyfly {
 ///
 /// y = (theta, u~_0, tau) is what the law is made of, z = (V_1 .., L) what is only predicted. A sum of
 /// absolute values is the worst case over the box of disturbances (Eq. 24); entries of L and Gamma that have
-/// no effect, or are constant, are no variables. It has the optimum of Eq. 34, see FullProgram.
+/// no effect, or are constant, are no variables. It has the optimum of Eq. 34.
 struct RobustProgram {
   enum class Kind {
     /// tau >= +-y_k (Eq. 25, 26).

@@ -86,12 +86,8 @@ ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const 
 /// many vertices. A step can square the number of rows before they are removed.
 ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep);
 
-/// Volume in `dimension` dimensions, 0 where the set is flat or empty: simplices from the exact vertices
-/// (Cohen and Hickey, 1979). Throws Error when it is unbounded.
-Rational volume(const ExactPolytope& set);
-
-/// Simplices that make up a bounded set with interior, each by `dimension` + 1 places among its vertices. Where two
-/// touch, they share a face.
+/// Simplices that make up a bounded set with interior, each by `dimension` + 1 places among its vertices (Cohen and Hickey,
+/// 1979). Where two touch, they share a face.
 std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
                                                   const std::vector<RationalVector>& vertices);
 

@@ -65,62 +65,6 @@ class Triangulation {
   std::vector<Indices> simplices_;
 };
 
-class Volume {
- public:
-  explicit Volume(const ExactPolytope& set) {
-    const PolytopeCone polytope(set);
-    for (const DoubleDescription::Ray& ray : polytope.cone.rays()) points_.push_back(ray.value);
-    std::vector<TightSet> rows;
-    for (const std::size_t place : polytope.place) {
-      TightSet face;
-      for (std::size_t k = 0; k < points_.size(); ++k) {
-        if (polytope.cone.rays()[k].tight.test(place)) face.set(k);
-      }
-      rows.push_back(std::move(face));
-    }
-    const auto dimension = static_cast<std::size_t>(set.dimension);
-    const Triangulation triangulation(dimension, points_.size(), std::move(rows));
-    for (const Indices& chosen : triangulation.simplices()) value_ += simplex(chosen);
-    Integer factorial;
-    mpz_fac_ui(factorial.get_mpz_t(), static_cast<unsigned long>(dimension));
-    value_ /= Rational(factorial);
-  }
-
-  const Rational& value() const { return value_; }
-
- private:
-  // |det (1, x)| over the vertices: elimination without fractions (Bareiss).
-  Rational simplex(const Indices& chosen) const {
-    std::vector<std::vector<Integer>> rows;
-    Integer denominator(1);
-    for (const std::size_t k : chosen) {
-      rows.push_back(points_[k]);
-      denominator *= points_[k][0];
-    }
-    Integer previous(1);
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      std::size_t pivot = k;
-      while (pivot < rows.size() && rows[pivot][k] == 0) ++pivot;
-      if (pivot == rows.size()) return 0;
-      std::swap(rows[k], rows[pivot]);
-      for (std::size_t i = k + 1; i < rows.size(); ++i) {
-        for (std::size_t j = k + 1; j < rows.size(); ++j) {
-          Integer& entry = rows[i][j];
-          entry = entry * rows[k][k] - rows[i][k] * rows[k][j];
-          mpz_divexact(entry.get_mpz_t(), entry.get_mpz_t(), previous.get_mpz_t());
-        }
-      }
-      previous = rows[k][k];
-    }
-    Rational result(abs(previous), denominator);
-    result.canonicalize();
-    return result;
-  }
-
-  std::vector<std::vector<Integer>> points_;
-  Rational value_;
-};
-
 }  // namespace
 
 std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
@@ -143,13 +87,6 @@ std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
     rows.push_back(std::move(on));
   }
   return Triangulation(static_cast<std::size_t>(set.dimension), vertices.size(), std::move(rows)).simplices();
-}
-
-Rational volume(const ExactPolytope& set) {
-  if (!isBounded(set)) throw Error("polytope: volume: the set is unbounded");
-  const ExactPolytope smallest = minimal(set);
-  if (affineDimension(smallest) < set.dimension) return 0;
-  return Volume(smallest).value();
 }
 
 }  // namespace polyfly

@@ -1,12 +1,12 @@
 // Written from the stacked matrices of Eq. 13 to 34, apart from robust_program.cpp, so that each can check
 // the other.
-#include "robust_mpc/full_program.hpp"
+#include "full_program.hpp"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "rational_parts.hpp"
+#include "../src/rational_parts.hpp"
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
