@@ -5,6 +5,7 @@ POLYFLY_BUILD is the folder of a plain build with all libraries and tools. With 
 in FOLDER/install_test.xml.
 """
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -161,8 +162,9 @@ class Install(unittest.TestCase):
                 if name.endswith((".cmake", ".pc")):
                     with open(os.path.join(folder, name), encoding="utf-8") as file:
                         text = file.read()
-                    for path in (BUILD, run_test.ROOT, "first"):
-                        self.assertNotIn(path, text, name)
+                    for path in (BUILD, run_test.ROOT, os.path.join(self.folder, "first")):
+                        # not as the end of another path
+                        self.assertNotRegex(text, rf"(?<![\w}}])(-[IL])?{re.escape(path)}", name)
 
 
 if __name__ == "__main__":
