@@ -9,6 +9,7 @@
 
 #include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
@@ -193,12 +194,7 @@ const char* unitOf(ExcitedChannel channel) { return kChannels[static_cast<std::s
 const char* nameOf(ExcitationShape shape) { return kShapes[static_cast<std::size_t>(shape)]; }
 
 ExcitationPlan parsePlan(const std::string& text, const std::string& source) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(text);
-  } catch (const YAML::Exception& failure) {
-    throw Error(source + ": is no YAML: " + failure.what());
-  }
+  const YAML::Node root = loadYaml(text, source);
   Fields fields(root, source);
   ExcitationPlan plan;
   plan.rest = fields.number("rest", plan.rest, 0.0, 60.0);

@@ -177,7 +177,7 @@ TEST(Excitation, badPlansAreRefusedByFileFieldAndRule) {
   EXPECT_NE(errorOf("manoeuvres: [{shape: multisine, channels: roll, amplitudes: 0.1, tones: 2.5}]\n")
                 .find("whole"),
             std::string::npos);
-  EXPECT_NE(errorOf(": [").find("plan.yaml: is no YAML"), std::string::npos);
+  EXPECT_NE(errorOf(": [").find("plan.yaml:1: file: is not valid YAML"), std::string::npos);
   EXPECT_THROW(loadPlan("/nowhere/plan.yaml"), Error);
 }
 

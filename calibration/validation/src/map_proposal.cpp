@@ -17,6 +17,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 
@@ -76,7 +77,7 @@ std::vector<MapProposal::Change> changesOf(const MapUse& use) {
 
 // The text with the range of one parameter replaced; all else, comments too, stays as it is.
 std::string withRange(const std::string& text, const MapProposal::Change& change) {
-  const YAML::Node parameters = YAML::Load(text)["parameters"];
+  const YAML::Node parameters = loadYaml(text, "the map's problem")["parameters"];
   for (const YAML::Node& parameter : parameters) {
     if (!parameter["name"] || parameter["name"].as<std::string>() != change.parameter) continue;
     const YAML::Node range = parameter["range"];

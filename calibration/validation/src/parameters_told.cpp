@@ -9,6 +9,7 @@
 
 #include "mpc_core/calibration_provenance.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/options_text.hpp"
 #include "polyfly_base/provenance.hpp"
 #include "region_maps/region_map.hpp"
@@ -41,14 +42,10 @@ void collect(const YAML::Node& node, const std::string& prefix, Values* values) 
 }
 
 Values valuesOf(const std::string& text, const std::string& source) {
+  const YAML::Node root = loadYaml(text, source + ": parameters in force");
+  if (!root.IsMap()) throw Error(source + ": parameters in force: must be a map");
   Values values;
-  try {
-    const YAML::Node root = YAML::Load(text);
-    if (!root.IsMap()) throw Error(source + ": parameters in force: must be a map");
-    collect(root, "", &values);
-  } catch (const YAML::Exception& error) {
-    throw Error(source + ": parameters in force: are not YAML: " + error.what());
-  }
+  collect(root, "", &values);
   return values;
 }
 

@@ -182,7 +182,7 @@ TEST(ControllerOptions, refusesBadFilesByLineAndKey) {
   EXPECT_EQ(optionsError(folder, "law: linear\nKF_observer: {P0_force: 0.1}\nreference_limits: {speed: 5}\n"),
             "no error");
   EXPECT_NE(optionsError(folder, "vehicle: {mass: -1}\n").find("vehicle/mass"), std::string::npos);
-  EXPECT_NE(optionsError(folder, "vehicle: [\n").find("is not YAML"), std::string::npos);
+  EXPECT_NE(optionsError(folder, "vehicle: [\n").find("is not valid YAML"), std::string::npos);
   EXPECT_NE(optionsError(folder, "vehicle: 3\n").find("must be a map"), std::string::npos);
   EXPECT_NE(optionsError(folder, "7\n").find("must be a map"), std::string::npos);
   EXPECT_THROW(loadControllerOptions(folder / "missing.yaml"), Error);

@@ -13,6 +13,10 @@
 /// Fields of problem files. Numbers are doubles at their exact values. All throw Refused.
 namespace checker {
 
+/// The document of a text without control characters, and without ':' right before ']' or the end. Throws YAML::Exception on
+/// what is no YAML.
+YAML::Node documentOf(const std::string& text);
+
 /// The node is a map of some of these keys, each once.
 void requireKeys(const YAML::Node& node, const std::set<std::string>& known);
 

@@ -55,7 +55,7 @@ bool isCompletedText(const std::string& whole, const std::string& file) {
   const std::string rest = whole.substr(file.size());
   if ((file.empty() || file.back() != '\n') && (rest.empty() || rest.front() != '\n')) return false;
   try {
-    const YAML::Node added = YAML::Load(rest);
+    const YAML::Node added = documentOf(rest);
     return added.IsMap() && added.size() == 1 && added["safe_set"];
   } catch (const YAML::Exception&) {
     return false;

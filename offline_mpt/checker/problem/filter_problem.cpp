@@ -90,7 +90,7 @@ FilterProblem readFilter(const YAML::Node& root) {
 
 FilterProblem readFilterProblem(const std::string& text) {
   try {
-    return readFilter(YAML::Load(text));
+    return readFilter(documentOf(text));
   } catch (const YAML::Exception& error) {
     throw Refused(std::string("problem: ") + error.what());
   }

@@ -222,7 +222,7 @@ class RobustReader {
 
 RobustProblem readRobustProblem(const std::string& text) {
   try {
-    return RobustReader(YAML::Load(text)).read();
+    return RobustReader(documentOf(text)).read();
   } catch (const YAML::Exception& error) {
     throw Refused(std::string("problem: ") + error.what());
   }

@@ -125,7 +125,7 @@ void match(const Map& map, const YAML::Node& root) {
 
 std::string problemType(const std::string& problem) {
   try {
-    const YAML::Node root = YAML::Load(problem);
+    const YAML::Node root = documentOf(problem);
     return root.IsMap() && root["type"] ? root["type"].as<std::string>() : "";
   } catch (const YAML::Exception& error) {
     throw Refused(std::string("problem: ") + error.what());
@@ -134,7 +134,7 @@ std::string problemType(const std::string& problem) {
 
 void matchSignals(const Map& map, const std::string& problem) {
   try {
-    match(map, YAML::Load(problem));
+    match(map, documentOf(problem));
   } catch (const YAML::Exception& error) {
     throw Refused(std::string("problem: ") + error.what());
   }

@@ -225,7 +225,7 @@ std::size_t TrackingProblem::freeCount() const {
 
 TrackingProblem readTrackingProblem(const std::string& text) {
   try {
-    return Reader(YAML::Load(text)).read();
+    return Reader(documentOf(text)).read();
   } catch (const YAML::Exception& error) {
     throw Refused(std::string("problem: ") + error.what());
   }

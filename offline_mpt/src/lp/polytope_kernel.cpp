@@ -67,7 +67,8 @@ class KernelOf final : public PolytopeSolver::Kernel {
   }
 
   // A ball has a radius and at least one coordinate.
-  Ball ballInBox(const double* rows, int count, double* ball) override {
+  Ball ballInBox([[maybe_unused]] const double* rows, [[maybe_unused]] int count,
+                 [[maybe_unused]] double* ball) override {
     if constexpr (N > 1) {
       return largestBall(rows, count, ball);
     } else {

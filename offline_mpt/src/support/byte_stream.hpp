@@ -48,7 +48,8 @@ class ByteReader {
     static_assert(std::is_trivially_copyable_v<T>);
     need(count, sizeof(T));
     if (count == 0) return;
-    std::memcpy(values, next_, count * sizeof(T));
+    // To GCC 9, a type is safe to copy as bytes only if it also has a trivial constructor.
+    std::memcpy(static_cast<void*>(values), next_, count * sizeof(T));
     next_ += count * sizeof(T);
     left_ -= count * sizeof(T);
   }

@@ -2,6 +2,10 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <exception>
+
+#include "polyfly_base/load_yaml.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -30,7 +34,7 @@ std::string flightsText(const YAML::Node& data) {
 std::string calibrationsOf(const std::string& problem) {
   std::string text;
   try {
-    const YAML::Node root = YAML::Load(problem);
+    const YAML::Node root = loadYaml(problem, "the problem");
     if (!root.IsMap()) return "";
     const YAML::Node provenance = root["provenance"];
     if (!provenance.IsDefined() || !provenance.IsSequence()) return "";
@@ -40,7 +44,7 @@ std::string calibrationsOf(const std::string& problem) {
       text += (text.empty() ? "" : "; ") + scalarAt(entry, "kind") + " from " + scalarAt(entry, "file") +
               " (" + scalarAt(entry, "checksum") + ")" + (flights.empty() ? "" : " of " + flights);
     }
-  } catch (const YAML::Exception&) {
+  } catch (const std::exception&) {
     return "";
   }
   return text;

@@ -9,6 +9,7 @@
 
 #include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 
 namespace polyfly {
 namespace {
@@ -25,12 +26,7 @@ std::string eightDigits(double value) {
 }
 
 YamlEdits::YamlEdits(std::string text, std::string source)
-    : text_(std::move(text)), source_(std::move(source)) {
-  try {
-    root_ = YAML::Load(text_);
-  } catch (const YAML::Exception& failure) {
-    throw Error(source_ + ": is no YAML: " + failure.what());
-  }
+    : text_(std::move(text)), source_(std::move(source)), root_(loadYaml(text_, source_)) {
   if (!root_.IsMap()) throw Error(source_ + ": must be a map");
   if (root_.Style() == YAML::EmitterStyle::Flow) throw Error(source_ + ": must not begin with a brace");
 }

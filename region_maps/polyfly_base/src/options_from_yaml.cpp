@@ -7,6 +7,7 @@
 #include "polyfly_base/closest_name.hpp"
 #include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/range_check.hpp"
 
 namespace polyfly {
@@ -18,12 +19,8 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-OptionsFromYaml::OptionsFromYaml(const std::string& text, const std::string& source) : source_(source) {
-  try {
-    root_ = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw Error(source + ": is not YAML: " + error.what());
-  }
+OptionsFromYaml::OptionsFromYaml(const std::string& text, const std::string& source)
+    : source_(source), root_(loadYaml(text, source)) {
   if (!root_.IsMap()) throw Error(source + ": must be a map with the groups of a node's options");
 }
 

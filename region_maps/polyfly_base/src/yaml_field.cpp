@@ -1,7 +1,5 @@
 #include "polyfly_base/yaml_field.hpp"
 
-#include <yaml-cpp/eventhandler.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -12,6 +10,7 @@
 
 #include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
@@ -23,24 +22,6 @@ constexpr double kSymmetryTolerance = 1e-12;  // relative to the greatest entry
 std::string format(const std::string& source, int line, const std::string& field, const std::string& rule) {
   return source + ":" + std::to_string(line) + ": " + field + ": " + rule;
 }
-
-/// Notes where the last document begins and ignores what it holds.
-class DocumentStart : public YAML::EventHandler {
- public:
-  void OnDocumentStart(const YAML::Mark& mark) override { line = std::max(mark.line, 0) + 1; }
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
-  }
-  void OnMapEnd() override {}
-
-  int line = 1;
-};
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
@@ -65,19 +46,7 @@ YamlField::YamlField(const YAML::Node& node, std::string source, std::string pat
 }
 
 YamlField YamlField::parse(const std::string& text, const std::string& source) {
-  YAML::Node root;
-  try {
-    // Load alone would drop what follows the first document; LoadAll never ends on some malformed texts.
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    DocumentStart start;
-    if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start)) {
-      throw Error(format(source, start.line, "file", "must end after one YAML document"));
-    }
-    root = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw Error(format(source, std::max(error.mark.line, 0) + 1, "file", "is not valid YAML: " + error.msg));
-  }
+  const YAML::Node root = loadYaml(text, source);
   if (root.IsNull()) throw Error(format(source, 1, "file", "must not be empty"));
   return YamlField(root, source, "", 1);
 }

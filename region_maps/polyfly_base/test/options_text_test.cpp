@@ -12,6 +12,7 @@
 #include <random>
 
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/options_from_yaml.hpp"
 
 namespace polyfly {
@@ -142,6 +143,31 @@ TEST(OptionsFromYaml, RefusesByLineKeyAndRule) {
   EXPECT_EQ(errorOf("vehicle: 3\n"), "made.yaml:1: vehicle: must be a map");
   EXPECT_EQ(errorOf("vehicel: {mass: 1}\n"), "made.yaml:1: vehicel: unknown group; is 'vehicle' meant?");
   EXPECT_EQ(errorOf("- 1\n"), "made.yaml: must be a map with the groups of a node's options");
+}
+
+// yaml-cpp 0.6 grows without end on these, and each version ends at a control character.
+TEST(LoadYaml, TextsOnWhichAParserNeverEndsAreRefused) {
+  const std::string rule = "must have a space or a line break between ':' and ']' or the end";
+  for (const char* const text : {"\n[a:]\n", "\n{a: [b, c:]}\n", "\n{a: {b:", "\n[:", "\nname: x:"})
+    EXPECT_EQ(errorOf(text), "made.yaml:2: file: " + rule) << text;
+  const std::string controls = "made.yaml:3: file: must be UTF-8 without control characters";
+  EXPECT_EQ(errorOf("name: x\n\n\4odd: 1\n"), controls);
+  EXPECT_EQ(errorOf("name: x\n\n" + std::string(1, '\0')), controls);
+  EXPECT_EQ(loadYaml("a: [b, {c: }]\r\nd:\t1\n", "made.yaml")["a"].size(), 2u);
+}
+
+// A file may be cut anywhere.
+TEST(LoadYaml, EachCutOfATextEnds) {
+  const std::string whole = "a: [b:\n, 'c:]', {d: [e: 1]}]\nf: {g: \"h:\"}\n";
+  for (std::size_t length = 0; length <= whole.size(); ++length) {
+    for (const char* const end : {"", "]", "}", ":", "\n"}) {
+      try {
+        loadYaml(whole.substr(0, length) + end, "made.yaml");
+      } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find("made.yaml:"), 0u);
+      }
+    }
+  }
 }
 
 }  // namespace
