@@ -4,13 +4,14 @@
 #include <memory>
 
 #include "calibrate_commands.hpp"
+#include "identification/attitude_output.hpp"
 #include "identification/flight_signals.hpp"
 #include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "validation/identification_report.hpp"
+#include "report/yaml.hpp"
 
 namespace polyfly {
 namespace {
@@ -121,8 +122,9 @@ int run(const AttitudeArguments& arguments) {
   checkResults(arguments, arguments.report, arguments.validation);
   const AttitudeCalibration calibration = calibrate(arguments);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
-  if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
-  if (!arguments.report.empty()) writeReport(calibration, arguments.report);
+  const std::string yaml = yamlText(jsonOf(calibration));
+  if (!arguments.output.empty()) writeFileAtomically(arguments.output, yaml);
+  if (!arguments.report.empty()) writePage(arguments.report, reportOn(calibration), "calibration.yaml", yaml);
   const bool warned =
       calibration.lossy || !calibration.failed.empty() ||
       std::any_of(calibration.axes.begin(), calibration.axes.end(),

@@ -10,7 +10,7 @@
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "validation/motion_report.hpp"
+#include "report/yaml.hpp"
 
 namespace polyfly {
 namespace {
@@ -53,8 +53,9 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   }
   find(readMotions(arguments, &calibration), arguments, &calibration);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
-  if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
-  if (!arguments.report.empty()) writeReport(calibration, arguments.report);
+  const std::string yaml = yamlText(jsonOf(calibration));
+  if (!arguments.output.empty()) writeFileAtomically(arguments.output, yaml);
+  if (!arguments.report.empty()) writePage(arguments.report, reportOn(calibration), "calibration.yaml", yaml);
   const bool warned = calibration.lossy || !calibration.fit.warnings.empty() ||
                       std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
                                   [](const DisturbanceBound& one) { return !one.warnings.empty(); });

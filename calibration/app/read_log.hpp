@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "identification/calibration_file.hpp"
 #include "identification/flight_signals.hpp"
-#include "identification/provenance.hpp"
 
 namespace polyfly {
 

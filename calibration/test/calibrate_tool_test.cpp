@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "identification/provenance.hpp"
+#include "identification/calibration_file.hpp"
 #include "made_logs.hpp"
 
 namespace polyfly {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 
 namespace polyfly {
 namespace {

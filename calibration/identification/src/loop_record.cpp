@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {

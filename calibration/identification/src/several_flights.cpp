@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include "diagnose.hpp"
 #include "polyfly_base/error.hpp"
+#include "report/report.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -14,8 +14,6 @@ namespace {
 
 // Spread of a number between flights above which one model does not describe them, relative to the value.
 constexpr double kGreatSpread = 0.4;
-
-std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 // The mean of one model over flights; residuals and prediction are of no flight and left empty.
 LoopFit meanFit(const std::vector<LoopFit>& flights) {

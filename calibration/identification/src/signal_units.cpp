@@ -8,8 +8,8 @@
 #include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/quantile.hpp"
 #include "polyfly_base/read_text.hpp"
-#include "quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {

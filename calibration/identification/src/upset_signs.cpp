@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "flight_signs.hpp"
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 
 namespace polyfly {
 namespace {

@@ -106,8 +106,9 @@ int run(const Arguments& arguments) {
   const polyfly::FilterReplay replay = polyfly::replayFilter(log, arguments.timing, filter);
   const polyfly::FilterValidation validation = polyfly::validateFilter(log, replay, filter);
   if (!arguments.report.empty()) polyfly::writeFilterReport(validation, replay, arguments.report);
-  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, polyfly::toJson(validation));
-  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(validation));
+  if (!arguments.json.empty())
+    polyfly::writeFileAtomically(arguments.json, polyfly::dumped(polyfly::jsonOf(validation)));
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(polyfly::reportOn(validation)));
   if (arguments.quiet) {
     for (const std::string& finding : validation.findings)
       std::cerr << polyfly::visible("warning: " + log.source + ": " + finding) << "\n";
