@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <set>
+#include <sstream>
 
 #include "bags/recording_share.hpp"
 #include "clock_choice.hpp"
@@ -19,74 +20,60 @@ using Angle = FieldUse::Angle;
 // What a type of message can tell. A lower rank wins where two types tell the same signal.
 struct KnownType {
   const char* type;
-  const char* topic;  // must be in the name, if not empty
+  // Must be in the name of the topic, if not empty.
+  const char* topic;
   int rank;
-  std::vector<FieldUse> uses;
+  // SIGNAL=FIELD, separated by blanks, as behind --signal.
+  const char* uses;
 };
 
-const std::vector<KnownType>& knownTypes() {
-  static const std::vector<KnownType> kTypes = {
-      {"mav_msgs/RollPitchYawrateThrust",
-       "",
-       0,
-       {{"roll_cmd", "roll"},
-        {"pitch_cmd", "pitch"},
-        {"yaw_rate_cmd", "yaw_rate"},
-        {"thrust_cmd", "thrust.z"}}},
-      {"mavros_msgs/AttitudeTarget",
-       "",
-       1,
-       {{"roll_cmd", "orientation", Angle::kRoll},
-        {"pitch_cmd", "orientation", Angle::kPitch},
-        {"yaw_rate_cmd", "body_rate.z"},
-        {"thrust_cmd", "thrust"}}},
-      {"geometry_msgs/PoseStamped",
-       "attitude",
-       1,
-       {{"roll_cmd", "pose.orientation", Angle::kRoll}, {"pitch_cmd", "pose.orientation", Angle::kPitch}}},
-      {"std_msgs/Float64", "throttle", 1, {{"thrust_cmd", "data"}}},
-      {"std_msgs/Float64", "thrust", 1, {{"thrust_cmd", "data"}}},
-      {"nav_msgs/Odometry",
-       "",
-       0,
-       {{"roll", "pose.pose.orientation", Angle::kRoll},
-        {"pitch", "pose.pose.orientation", Angle::kPitch},
-        {"yaw", "pose.pose.orientation", Angle::kYaw},
-        {"yaw_rate", "twist.twist.angular.z"},
-        {"height", "pose.pose.position.z"}}},
-      {"sensor_msgs/Imu",
-       "",
-       1,
-       {{"roll", "orientation", Angle::kRoll},
-        {"pitch", "orientation", Angle::kPitch},
-        {"yaw", "orientation", Angle::kYaw},
-        {"yaw_rate", "angular_velocity.z"},
-        {"gyro_x", "angular_velocity.x"},
-        {"gyro_y", "angular_velocity.y"},
-        {"gyro_z", "angular_velocity.z"},
-        {"specific_force_x", "linear_acceleration.x"},
-        {"specific_force_y", "linear_acceleration.y"},
-        {"specific_force_z", "linear_acceleration.z"}}},
-      {"geometry_msgs/TransformStamped",
-       "",
-       2,
-       {{"roll", "transform.rotation", Angle::kRoll},
-        {"pitch", "transform.rotation", Angle::kPitch},
-        {"yaw", "transform.rotation", Angle::kYaw},
-        {"height", "transform.translation.z"}}},
-      {"geometry_msgs/PoseStamped",
-       "pose",
-       3,
-       {{"roll", "pose.orientation", Angle::kRoll},
-        {"pitch", "pose.orientation", Angle::kPitch},
-        {"yaw", "pose.orientation", Angle::kYaw},
-        {"height", "pose.position.z"}}},
-      {"geometry_msgs/TwistStamped",
-       "velocity_local",
-       1,
-       {{"vx", "twist.linear.x"}, {"vy", "twist.linear.y"}, {"vz", "twist.linear.z"}}},
-  };
-  return kTypes;
+constexpr KnownType kKnownTypes[] = {
+    {"mav_msgs/RollPitchYawrateThrust", "", 0,
+     "roll_cmd=roll pitch_cmd=pitch yaw_rate_cmd=yaw_rate thrust_cmd=thrust.z"},
+    {"mavros_msgs/AttitudeTarget", "", 1,
+     "roll_cmd=orientation.roll pitch_cmd=orientation.pitch yaw_rate_cmd=body_rate.z thrust_cmd=thrust"},
+    {"geometry_msgs/PoseStamped", "attitude", 1,
+     "roll_cmd=pose.orientation.roll pitch_cmd=pose.orientation.pitch"},
+    {"std_msgs/Float64", "throttle", 1, "thrust_cmd=data"},
+    {"std_msgs/Float64", "thrust", 1, "thrust_cmd=data"},
+    {"nav_msgs/Odometry", "", 0,
+     "roll=pose.pose.orientation.roll pitch=pose.pose.orientation.pitch yaw=pose.pose.orientation.yaw "
+     "yaw_rate=twist.twist.angular.z height=pose.pose.position.z"},
+    {"sensor_msgs/Imu", "", 1,
+     "roll=orientation.roll pitch=orientation.pitch yaw=orientation.yaw yaw_rate=angular_velocity.z "
+     "gyro_x=angular_velocity.x gyro_y=angular_velocity.y gyro_z=angular_velocity.z "
+     "specific_force_x=linear_acceleration.x specific_force_y=linear_acceleration.y "
+     "specific_force_z=linear_acceleration.z"},
+    {"geometry_msgs/TransformStamped", "", 2,
+     "roll=transform.rotation.roll pitch=transform.rotation.pitch yaw=transform.rotation.yaw "
+     "height=transform.translation.z"},
+    {"geometry_msgs/PoseStamped", "pose", 3,
+     "roll=pose.orientation.roll pitch=pose.orientation.pitch yaw=pose.orientation.yaw "
+     "height=pose.position.z"},
+    {"geometry_msgs/TwistStamped", "velocity_local", 1,
+     "vx=twist.linear.x vy=twist.linear.y vz=twist.linear.z"}};
+
+// A path of a number, or of a quaternion with the angle that is wanted of it.
+FieldUse fieldUse(const std::string& signal, const std::string& path, double scale) {
+  FieldUse use = {signal, path, Angle::kNone, scale};
+  const std::pair<const char*, Angle> angles[] = {
+      {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
+  for (const auto& [ending, angle] : angles) {
+    if (!endsWith(path, ending)) continue;
+    use.angle = angle;
+    use.path.resize(path.size() - std::string(ending).size());
+  }
+  return use;
+}
+
+std::vector<FieldUse> usesOf(const KnownType& known) {
+  std::vector<FieldUse> uses;
+  std::istringstream words(known.uses);
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    uses.push_back(fieldUse(word.substr(0, equals), word.substr(equals + 1), 1.0));
+  }
+  return uses;
 }
 
 // Whether messages of this type on this topic are what the list means.
@@ -132,15 +119,7 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
   if (colon == std::string::npos || colon == 0 || colon + 1 == place.size()) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
-  Choice choice = {place.substr(0, colon), {signal, place.substr(colon + 1), Angle::kNone, chosen.factor()}};
-  const std::pair<const char*, Angle> angles[] = {
-      {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
-  for (const auto& [ending, angle] : angles) {
-    if (!endsWith(choice.use.path, ending)) continue;
-    choice.use.angle = angle;
-    choice.use.path.resize(choice.use.path.size() - std::string(ending).size());
-  }
-  return choice;
+  return {place.substr(0, colon), fieldUse(signal, place.substr(colon + 1), chosen.factor())};
 }
 
 // The namespace with a slash on both sides. Empty if none is given.
@@ -236,10 +215,10 @@ class Collector {
     }
     constexpr int kChosen = -1;
     if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
-    for (const KnownType& known : knownTypes()) {
+    for (const KnownType& known : kKnownTypes) {
       if (!isHeard(connection.topic) || !isKnown(known, connection)) continue;
       std::vector<FieldUse> uses;
-      for (const FieldUse& use : known.uses) {
+      for (const FieldUse& use : usesOf(known)) {
         if (!isChosen(use.signal)) uses.push_back(use);
       }
       const bool odometry = std::string(known.type) == "nav_msgs/Odometry";

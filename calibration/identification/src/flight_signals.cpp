@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "csv_times.hpp"
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 

@@ -6,7 +6,6 @@
 #include "attitude_signals.hpp"
 #include "identification/excitation.hpp"
 #include "identification/flight_phases.hpp"
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "identification/flight_phases.hpp"
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/quantile.hpp"
 #include "polyfly_base/read_text.hpp"
