@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,34 @@ Number readNumber(const std::uint8_t* data) {
   Number number;
   std::memcpy(&number, data, sizeof number);
   return number;
+}
+
+/// The number of a type that Python's struct calls so: b B h H i I q Q f d. NaN for another letter.
+inline double numberAt(const std::uint8_t* data, char type) {
+  switch (type) {
+    case 'b':
+      return readNumber<std::int8_t>(data);
+    case 'B':
+      return *data;
+    case 'h':
+      return readNumber<std::int16_t>(data);
+    case 'H':
+      return readNumber<std::uint16_t>(data);
+    case 'i':
+      return readNumber<std::int32_t>(data);
+    case 'I':
+      return readNumber<std::uint32_t>(data);
+    case 'q':
+      return static_cast<double>(readNumber<std::int64_t>(data));
+    case 'Q':
+      return static_cast<double>(readNumber<std::uint64_t>(data));
+    case 'f':
+      return readNumber<float>(data);
+    case 'd':
+      return readNumber<double>(data);
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 /// Forward reading of a file in pieces, with a look ahead.

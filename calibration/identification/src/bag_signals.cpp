@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "bags/recording_share.hpp"
-#include "clock_choice.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "sentence.hpp"
 #include "topic_signals.hpp"
 
 namespace polyfly {
@@ -290,25 +290,36 @@ class Collector {
     return best;
   }
 
-  // Returns the topics that give a signal.
+  // Why the clock is used, and what that means for a delay. Empty where nothing is to be said.
+  static std::string clauseOn(const HeaderClock& clock, SignalClock which, double greatest_lead) {
+    if (which == SignalClock::kHeaders) return clock.steps.empty() ? "" : "the times of the headers are used";
+    if (clock.isSteady()) return "";
+    std::string clause = "the times of the recorder are used";
+    if (greatest_lead > 0.0 && greatest_lead <= kLeastClockStep) {
+      clause += sentence(
+          "; other messages reached it up to %.3g s after their stamps, and a delay may be off by as much",
+          greatest_lead);
+    }
+    return clause;
+  }
+
+  // All signals have one clock: that of the headers where each topic's stamps can be used, else the recorder's. Returns
+  // the topics that give a signal.
   std::set<std::string> gather(BagSignals* result) const {
     const Repeats repeats = findRepeats();
     const std::map<std::string, Winner> best = winners(repeats);
     // All readers of a topic have the same stamps.
     std::map<std::string, HeaderClock> clocks;
-    ClockChoice choice;
-    for (const auto& [signal, winner] : best) {
-      const auto [place, is_new] = clocks.try_emplace(winner.topic);
-      if (!is_new) continue;
-      place->second = winner.reader->clock();
-      choice.add(place->second);
+    for (const auto& [signal, winner] : best) clocks[winner.topic] = winner.reader->clock();
+    SignalClock which = SignalClock::kHeaders;
+    double greatest_lead = 0.0;
+    for (const auto& [topic, clock] : clocks) {
+      if (!clock.isSteady()) which = SignalClock::kRecorder;
+      if (clock.isSteady()) greatest_lead = std::max(greatest_lead, std::abs(clock.lead));
     }
     const double start = result->health.first;
-    std::map<const TopicSignals*, std::map<std::string, TimeSeries>> series;
     for (const auto& [signal, winner] : best) {
-      if (series.count(winner.reader) == 0)
-        series[winner.reader] = winner.reader->series(start, choice.of(clocks.at(winner.topic)));
-      result->signals.series[signal] = std::move(series.at(winner.reader).at(signal));
+      result->signals.series[signal] = winner.reader->series(start, which).at(signal);
       result->signals.origin[signal] = winner.topic;
     }
     for (const auto& [topic, sources] : sources_) {
@@ -321,7 +332,7 @@ class Collector {
       // Nothing is said of topics that are whole and not used.
       if (clock == clocks.end() && !sources.front().reader->names().empty()) continue;
       std::vector<std::string> clauses = sources.front().reader->remarks(start);
-      if (clock != clocks.end()) clauses.push_back(choice.clauseOn(clock->second));
+      if (clock != clocks.end()) clauses.push_back(clauseOn(clock->second, which, greatest_lead));
       std::string remark;
       for (const std::string& clause : clauses)
         remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;

@@ -6,11 +6,13 @@
 
 #include "bags/message_layout.hpp"
 #include "bags/scan_bag.hpp"
-#include "clock_choice.hpp"
 #include "identification/header_clock.hpp"
 #include "identification/loop_record.hpp"
 
 namespace polyfly {
+
+/// Which times the signals of a flight have.
+enum class SignalClock { kHeaders, kRecorder };
 
 /// A number of a message: a field as it is, or an angle of a quaternion.
 struct FieldUse {

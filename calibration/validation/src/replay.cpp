@@ -161,6 +161,7 @@ void takeRecorded(const FlightLog& log, const AxisMaps& maps, std::vector<Replay
       report.size = static_cast<int>(theta.size());
       std::copy(theta.begin(), theta.end(), report.theta.begin());
       report.input = status.input[axis];
+      report.disturbance = status.disturbance[axis];
       if (theta.empty()) continue;
       const Lookup lookup = maps[axis]->locate(theta.data());
       report.lookup = lookup.status;

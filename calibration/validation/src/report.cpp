@@ -44,10 +44,12 @@ std::vector<ReportTile> tilesOn(const ValidationReport& report) {
   tiles.push_back({std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
                    "regions visited"});
   tiles.push_back({number(report.maxQpDifference(), 2), "greatest difference to the online QP"});
-  const bool exact = report.commands.max_difference == 0.0 && report.commands.compared > 0;
-  tiles.push_back({exact ? "exact" : number(report.commands.max_difference, 2),
+  const CommandValidation& commands = report.commands;
+  const bool exact = commands.max_difference == 0.0;
+  tiles.push_back({exact ? "exact" : number(commands.max_difference, 2),
                    exact ? "replay: the recorded commands, bit for bit"
                          : "greatest difference to the recorded commands"});
+  if (commands.compared == 0) tiles.back() = {"–", "no command is compared with a replay", false};
   tiles.push_back({number(report.lookup_ns.p50) + " ns",
                    "median look-up; 99 % below " + number(report.lookup_ns.p99) + " ns"});
   if (!report.statuses.step_ns.max) return tiles;

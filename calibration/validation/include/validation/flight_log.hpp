@@ -56,6 +56,8 @@ struct FlightLog {
     std::array<std::vector<double>, 3> theta;
     /// Input of each axis, before anything of the vehicle is corrected [rad or m/s^2].
     std::array<double, 3> input{};
+    /// The observer's estimate for each axis [m/s^2].
+    std::array<double, 3> disturbance{};
     /// Wall time of the control step in flight [s].
     double step_time = 0.0;
   };
