@@ -1,16 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
-#include <iostream>
 #include <memory>
 
 #include "calibrate_commands.hpp"
 #include "identification/motion_output.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/visible.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "report/yaml.hpp"
 
 namespace polyfly {
 namespace {
@@ -19,7 +15,6 @@ struct MotionArguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
   std::vector<double> drag;
-  std::string report;
 };
 
 using Find = std::function<void(const std::vector<Motion>&, const MotionArguments&, MotionCalibration*)>;
@@ -44,7 +39,7 @@ std::vector<Motion> readMotions(const MotionArguments& arguments, MotionCalibrat
 }
 
 int run(const std::string& kind, MotionArguments arguments, const Find& find) {
-  checkResults(arguments, arguments.report);
+  checkResults(arguments);
   MotionCalibration calibration;
   calibration.kind = kind;
   calibration.limits = arguments.limits;
@@ -52,14 +47,11 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
     arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
   }
   find(readMotions(arguments, &calibration), arguments, &calibration);
-  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
-  const std::string yaml = yamlText(jsonOf(calibration));
-  if (!arguments.output.empty()) writeFileAtomically(arguments.output, yaml);
-  if (!arguments.report.empty()) writePage(arguments.report, reportOn(calibration), "calibration.yaml", yaml);
-  const bool warned = calibration.lossy || !calibration.fit.warnings.empty() ||
-                      std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
-                                  [](const DisturbanceBound& one) { return !one.warnings.empty(); });
-  return warned && arguments.strict ? kWarned : kCalibrated;
+  const bool is_warned = calibration.lossy || !calibration.fit.warnings.empty() ||
+                         std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
+                                     [](const DisturbanceBound& one) { return !one.warnings.empty(); });
+  const Report page = arguments.report.empty() ? Report() : reportOn(calibration);
+  return writeResults(arguments, toText(calibration), jsonOf(calibration), page, is_warned);
 }
 
 void bound(const std::vector<Motion>& flights, const MotionArguments& arguments,
@@ -112,9 +104,6 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
               const Find& find, const std::shared_ptr<MotionArguments>& arguments) {
   CLI::App* command = app.add_subcommand(kind, description);
   declareLog(*command, *arguments);
-  command
-      ->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder.")
-      ->type_name("DIR");
   command->callback([kind, arguments, result, find] { *result = run(kind, *arguments, find); });
   return command;
 }

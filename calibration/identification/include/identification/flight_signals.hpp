@@ -53,6 +53,9 @@ struct FlightSignals {
   const TimeSeries& at(const std::string& name) const;
 };
 
+/// Radians of a degree.
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+
 /// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
 TimeWindow spanOf(const FlightSignals& flight);
 
