@@ -83,12 +83,10 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     TimeWindow window;
     const std::size_t colon = text.find(':');
-    bool good = colon != std::string::npos;
-    if (good) {
-      good = CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
-             CLI::detail::lexical_cast(text.substr(colon + 1), window.to) && std::isfinite(window.from) &&
-             std::isfinite(window.to) && window.from < window.to;
-    }
+    const bool good = colon != std::string::npos &&
+                      CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
+                      CLI::detail::lexical_cast(text.substr(colon + 1), window.to) &&
+                      std::isfinite(window.from) && std::isfinite(window.to) && window.from < window.to;
     if (!good) throw Error("--window " + text + ": must be FROM:TO in seconds, FROM before TO");
     windows.push_back(window);
   }
@@ -100,17 +98,18 @@ std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string
   std::vector<std::vector<TimeWindow>> windows(flights);
   for (const std::string& text : texts) {
     const std::size_t colon = text.find(':');
-    if (std::count(text.begin(), text.end(), ':') < 2) {
-      const TimeWindow window = parseWindows({text}).front();
-      for (auto& own : windows) own.push_back(window);
-      continue;
-    }
+    // Of all flights, or of the one of this number.
     std::size_t number = 0;
-    if (!CLI::detail::lexical_cast(text.substr(0, colon), number) || number < 1 || number > flights) {
+    const bool is_of_one = std::count(text.begin(), text.end(), ':') > 1;
+    if (is_of_one &&
+        (!CLI::detail::lexical_cast(text.substr(0, colon), number) || number < 1 || number > flights)) {
       throw Error("--window " + text + ": its first number must be that of a log, 1 to " +
                   std::to_string(flights));
     }
-    windows[number - 1].push_back(parseWindows({text.substr(colon + 1)}).front());
+    const TimeWindow window = parseWindows({is_of_one ? text.substr(colon + 1) : text}).front();
+    for (std::size_t i = 0; i < flights; ++i) {
+      if (!is_of_one || i + 1 == number) windows[i].push_back(window);
+    }
   }
   return windows;
 }

@@ -119,12 +119,6 @@ std::vector<Place> listOf(const Places (&list)[kSize]) {
   return places;
 }
 
-double angleOf(double w, double x, double y, double z, const std::string& part) {
-  if (part == "roll") return std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
-  if (part == "pitch") return std::asin(std::clamp(2.0 * (w * y - z * x), -1.0, 1.0));
-  return std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-}
-
 // None where the table lacks the field.
 std::optional<TimeSeries> seriesAt(const LogTable& table, const Place& place) {
   const bool is_speed = place.part == "north" || place.part == "east";

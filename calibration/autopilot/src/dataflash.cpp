@@ -196,19 +196,13 @@ class Reader {
     table.time.push_back(format.time.scale * numberAt(data + format.time.offset, format.time.type));
     for (const Field& field : format.fields) {
       if (field.scale == 0.0) continue;
-      std::vector<double>& column = table.column[field.name];
-      column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
-      column.push_back(field.scale * numberAt(data + field.offset, field.type));
+      addValue(field.name, field.scale * numberAt(data + field.offset, field.type), &table);
     }
   }
 
   void finish() {
     if (log_.counts.empty()) throw Error(log_.path + ": holds no message that a format describes");
-    for (auto& [name, table] : log_.tables) {
-      for (auto& [field, column] : table.column) {
-        column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
-      }
-    }
+    fillColumns(&log_);
     log_.lossy = cut_ || skipped_ > 0 || damaged_ > 0;
     if (cut_) log_.remarks.push_back("the last message was cut off");
     if (skipped_ > 0)
@@ -228,13 +222,7 @@ class Reader {
 
 }  // namespace
 
-bool isDataflash(const std::string& path) {
-  std::array<char, kHeader> begin{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), begin.size());
-  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
-         static_cast<std::uint8_t>(begin[0]) == kHead1 && static_cast<std::uint8_t>(begin[1]) == kHead2;
-}
+bool isDataflash(const std::string& path) { return beginsWith(path, {kHead1, kHead2}); }
 
 AutopilotLog readDataflash(const std::string& path, const std::vector<std::string>& wanted) {
   return Reader(path, wanted).read();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "autopilot/autopilot_log.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -44,6 +45,30 @@ inline double numberAt(const std::uint8_t* data, char type) {
       return readNumber<double>(data);
     default:
       return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+/// Whether a file begins with these bytes.
+inline bool beginsWith(const std::string& path, const std::vector<std::uint8_t>& bytes) {
+  std::vector<char> begin(bytes.size());
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
+         std::memcmp(begin.data(), bytes.data(), bytes.size()) == 0;
+}
+
+/// Adds a value to the last row of a table. Rows before it that lack the field hold NaN.
+inline void addValue(const std::string& field, double value, LogTable* table) {
+  std::vector<double>& column = table->column[field];
+  column.resize(table->time.size() - 1, std::numeric_limits<double>::quiet_NaN());
+  column.push_back(value);
+}
+
+/// Fills the columns of all tables up to their last row.
+inline void fillColumns(AutopilotLog* log) {
+  for (auto& [name, table] : log->tables) {
+    for (auto& [field, column] : table.column)
+      column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
   }
 }
 

@@ -284,20 +284,14 @@ class Reader {
     table.time.push_back(kMicroseconds *
                          static_cast<double>(readNumber<std::uint64_t>(row + *subscription.stamp)));
     for (const Field& field : subscription.fields) {
-      std::vector<double>& column = table.column[field.name];
       // A message that is described anew may have other fields.
-      column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
-      column.push_back(numberAt(row + field.offset, field.type));
+      addValue(field.name, numberAt(row + field.offset, field.type), &table);
     }
   }
 
   void finish() {
     if (log_.counts.empty()) throw Error(log_.path + ": holds no data message");
-    for (auto& [name, table] : log_.tables) {
-      for (auto& [field, column] : table.column) {
-        column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
-      }
-    }
+    fillColumns(&log_);
     log_.lossy = cut_ || unread_ > 0 || damaged_ > 0 || unknown_ > 0 || lost_ > 0;
     if (cut_) log_.remarks.push_back("the last message was cut off");
     const auto tell = [this](std::size_t count, const char* what) {
@@ -338,13 +332,7 @@ class Reader {
 
 }  // namespace
 
-bool isULog(const std::string& path) {
-  std::array<char, kMagic.size()> begin{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), begin.size());
-  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
-         std::memcmp(begin.data(), kMagic.data(), kMagic.size()) == 0;
-}
+bool isULog(const std::string& path) { return beginsWith(path, {kMagic.begin(), kMagic.end()}); }
 
 AutopilotLog readULog(const std::string& path, const std::vector<std::string>& wanted) {
   return Reader(path, wanted).read();

@@ -236,7 +236,7 @@ void addTables(const AxisModel& axis, std::vector<ReportSection>* sections) {
                                  {"why not", "/reasons"}});
   sections->push_back(section);
   if (axis.flights.empty()) return;
-  sections->push_back({axis.axis + ": what each flight says",
+  sections->push_back({"What each flight says of " + axis.axis,
                        {"The numbers above are the means of these flights."},
                        {},
                        tableOf(json(axis)["flights"], {{"flight", "/file"},

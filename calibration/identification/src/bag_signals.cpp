@@ -15,8 +15,6 @@
 namespace polyfly {
 namespace {
 
-using Angle = FieldUse::Angle;
-
 // What a type of message can tell. A lower rank wins where two types tell the same signal.
 struct KnownType {
   const char* type;
@@ -55,13 +53,11 @@ constexpr KnownType kKnownTypes[] = {
 
 // A path of a number, or of a quaternion with the angle that is wanted of it.
 FieldUse fieldUse(const std::string& signal, const std::string& path, double scale) {
-  FieldUse use = {signal, path, Angle::kNone, scale};
-  const std::pair<const char*, Angle> angles[] = {
-      {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
-  for (const auto& [ending, angle] : angles) {
-    if (!endsWith(path, ending)) continue;
+  FieldUse use = {signal, path, "", scale};
+  for (const std::string angle : {"roll", "pitch", "yaw"}) {
+    if (!endsWith(path, "." + angle)) continue;
     use.angle = angle;
-    use.path.resize(path.size() - std::string(ending).size());
+    use.path.resize(path.size() - angle.size() - 1);
   }
   return use;
 }

@@ -58,6 +58,13 @@ const TimeSeries& FlightSignals::at(const std::string& name) const {
               (known.empty() ? "" : "; the log has " + known));
 }
 
+double angleOf(double w, double x, double y, double z, const std::string& angle) {
+  if (angle == "roll") return std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
+  if (angle == "pitch") return std::asin(std::fmax(-1.0, std::fmin(1.0, 2.0 * (w * y - z * x)))) + 0.0 * w;
+  if (angle == "yaw") return std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 TimeWindow spanOf(const FlightSignals& flight) {
   TimeWindow span = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const auto& [name, series] : flight.series) {

@@ -16,11 +16,11 @@ enum class SignalClock { kHeaders, kRecorder };
 
 /// A number of a message: a field as it is, or an angle of a quaternion.
 struct FieldUse {
-  enum class Angle { kNone, kRoll, kPitch, kYaw };
   std::string signal;
   /// Path of a number, or of a quaternion if an angle is requested.
   std::string path;
-  Angle angle = Angle::kNone;
+  /// roll, pitch, yaw; empty: the number itself.
+  std::string angle;
   /// Factor from the field's unit to that of the signal.
   double scale = 1.0;
 };

@@ -84,7 +84,6 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
   axis.axis = kAxisNames[index].axis;
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
-  axis.map_path = map.path();
   OnlineAxis online(map, maker);
   MapUseCounter counter(map);
   std::vector<double> thetas;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "difference_collector.hpp"
 #include "online_axis.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
+#include "validation/difference.hpp"
 
 namespace polyfly {
 namespace {

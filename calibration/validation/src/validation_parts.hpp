@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "difference_collector.hpp"
 #include "validation/validation.hpp"
 
 namespace polyfly {

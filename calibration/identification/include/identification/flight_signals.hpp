@@ -56,6 +56,9 @@ struct FlightSignals {
 /// Radians of a degree.
 constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 
+/// Roll, pitch or yaw of a quaternion, by the name of the angle; NaN for another name [rad].
+double angleOf(double w, double x, double y, double z, const std::string& angle);
+
 /// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
 TimeWindow spanOf(const FlightSignals& flight);
 

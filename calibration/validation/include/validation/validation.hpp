@@ -45,7 +45,6 @@ struct AxisValidation : MapUse {
   std::string input;
   /// Unit of the input that the map gives.
   std::string input_unit;
-  std::string map_path;
   std::vector<Excursion> excursions;
 
   std::size_t qp_compared = 0;
