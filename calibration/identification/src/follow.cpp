@@ -15,9 +15,6 @@ namespace {
 constexpr double kCell = 0.5;
 constexpr std::size_t kJudgedCells = 4;
 constexpr std::size_t kPairCells = 2;
-// Parts of the windows that a model is fitted to: most of them, and least length [s].
-constexpr double kMostParts = 10.0;
-constexpr double kLeastPart = 6.0;
 // Ratio of residual to response that counts as explained, and above which the response does not follow.
 constexpr double kExplained = 0.5;
 constexpr double kUnexplained = 0.75;
@@ -82,15 +79,6 @@ std::vector<Cell> stretchesOf(const std::vector<Cell>& cells, std::size_t length
   return stretches;
 }
 
-// Energy that a model explains, cell by cell: what it misses elsewhere does not count against it.
-double explainedBy(const LoopFit& fit, const std::vector<LoopSegment>& segments, double level) {
-  double sum = 0.0;
-  for (const std::vector<Cell>& part : cellsOf(fit, segments, level)) {
-    for (const Cell& cell : part) sum += std::max(0.0, cell.response - cell.residual);
-  }
-  return sum;
-}
-
 std::optional<LoopFit> tryFit(const LoopRecord& record, const std::vector<TimeWindow>& windows,
                               const FitOptions& options) {
   const std::vector<LoopSegment> segments = cutSegments(record, windows, options.delay_greatest);
@@ -100,38 +88,6 @@ std::optional<LoopFit> tryFit(const LoopRecord& record, const std::vector<TimeWi
   } catch (const Error&) {
     return std::nullopt;  // nothing moves
   }
-}
-
-std::vector<TimeWindow> partsOf(const std::vector<TimeWindow>& windows) {
-  double whole = 0.0;
-  for (const TimeWindow& window : windows) whole += window.to - window.from;
-  const double length = std::max(kLeastPart, whole / kMostParts);
-  std::vector<TimeWindow> parts;
-  for (const TimeWindow& window : windows) {
-    const double count = std::max(1.0, std::round((window.to - window.from) / length));
-    for (double i = 0.0; i < count; ++i) {
-      parts.push_back({window.from + (window.to - window.from) * i / count,
-                       window.from + (window.to - window.from) * (i + 1.0) / count});
-    }
-  }
-  return parts;
-}
-
-// The model that most of the windows agree on.
-std::optional<LoopFit> agreedModel(const LoopRecord& record, const std::vector<TimeWindow>& windows,
-                                   const std::vector<LoopSegment>& segments, const FitOptions& options,
-                                   double level) {
-  std::optional<LoopFit> best = tryFit(record, windows, options);
-  if (!best) return best;
-  double most = explainedBy(*best, segments, level);
-  for (const TimeWindow& part : partsOf(windows)) {
-    std::optional<LoopFit> fit = tryFit(record, {part}, options);
-    const double explained = fit ? explainedBy(*fit, segments, level) : 0.0;
-    if (explained <= most) continue;
-    most = explained;
-    best = std::move(fit);
-  }
-  return best;
 }
 
 // Residual of the stretches that the model explains by half, the middle one; none if there is none.
@@ -201,7 +157,7 @@ void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, Excitation
   for (const LoopSegment& segment : segments)
     responses.insert(responses.end(), segment.response.begin(), segment.response.end());
   const double level = quantileOf(std::move(responses));
-  std::optional<LoopFit> model = agreedModel(record, choice->windows, segments, options, level);
+  std::optional<LoopFit> model = tryFit(record, choice->windows, options);
   std::vector<TimeWindow> kept = choice->windows;
   for (int round = 0; round < kRounds && model; ++round) {
     const Cells cells = cellsOf(*model, segments, level);
