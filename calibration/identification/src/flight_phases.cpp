@@ -1,7 +1,6 @@
 #include "identification/flight_phases.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -18,19 +17,13 @@ constexpr double kPhaseStep = 0.05;
 // Greatest period of the signal that sets the grid, and pause from which on a measurement is unknown [s].
 constexpr double kSlowest = 0.5;
 constexpr double kStale = 1.0;
-// Steps over which turning is summed up, what was commanded before is looked at, and the vehicle must stand.
-constexpr std::size_t kTurnSteps = 8;
+// Steps over which what was commanded before is looked at, and in which the vehicle must stand.
 constexpr std::size_t kCommandSteps = 30;
 constexpr std::size_t kStandSteps = 40;
 // Tilt that is no upset in any case, tilt beyond a command from which on it is one, and where no command tells [rad].
 constexpr double kTiltAllowed = 1.0;
 constexpr double kTiltBeyond = 0.7;
 constexpr double kTiltUncommanded = 1.5;
-// The same of what the vehicle turns within kTurnSteps. The commanded range counts by the factor [rad].
-constexpr double kTurnAllowed = 2.0;
-constexpr double kTurnBeyond = 1.2;
-constexpr double kTurnRange = 1.5;
-constexpr double kTurnUncommanded = 2.6;
 // Range of roll and pitch up to which the attitude rests, with a throttle and without one [rad].
 constexpr double kRestAngle = 0.03;
 constexpr double kDeepRestAngle = 0.01;
@@ -72,9 +65,6 @@ struct Grid {
   double from = 0.0;
   std::size_t size = 0;
   Values roll, pitch, speed, airspeed, height, roll_cmd, pitch_cmd, throttle;
-  // Angle that the vehicle turns about horizontal axes within each step, by attitude and by gyro [rad].
-  Values turn, gyro_turn;
-
   double time(std::size_t i) const { return from + kPhaseStep * static_cast<double>(i); }
 };
 
@@ -93,34 +83,6 @@ Values valuesOn(const Grid& grid, const TimeSeries& series, double stale) {
     if (next > 0 && grid.time(i) - series.time[next - 1] <= stale) values[i] = series.value[next - 1];
   }
   return values;
-}
-
-// Angle by which the direction of gravity in the body's frame moves from each time of the grid to the next.
-Values turnsOf(const Values& roll, const Values& pitch) {
-  Values turns(std::min(roll.size(), pitch.size()), kUnknown);
-  const auto down = [&](std::size_t i) {
-    return std::array<double, 3>{-std::sin(pitch[i]), std::cos(pitch[i]) * std::sin(roll[i]),
-                                 std::cos(pitch[i]) * std::cos(roll[i])};
-  };
-  for (std::size_t i = 0; i + 1 < turns.size(); ++i) {
-    const std::array<double, 3> a = down(i), b = down(i + 1);
-    turns[i] = std::acos(std::clamp(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], -1.0, 1.0));
-  }
-  return turns;
-}
-
-Values gyroTurnsOf(const Grid& grid, const FlightSignals& signals) {
-  Values turns;
-  for (const char* name : {"gyro_x", "gyro_y"}) {
-    const TimeSeries rate = cleanSignal(signals, name);
-    if (rate.time.empty()) return {};
-    const TimeSeries angle = {rate.time, cumulativeIntegral(rate.time, rate.value)};
-    turns.resize(grid.size, 0.0);
-    for (std::size_t i = 0; i < grid.size; ++i)
-      turns[i] = std::hypot(
-          turns[i], interpolated(angle, grid.time(i) + kPhaseStep) - interpolated(angle, grid.time(i)));
-  }
-  return turns;
 }
 
 // Size of the velocity, over ground where it is not known in space.
@@ -153,8 +115,6 @@ Grid gridOf(const FlightSignals& signals, const TimeWindow& window) {
   grid.pitch_cmd = held("pitch_cmd", kFarStep);
   grid.throttle = held("thrust_cmd", kFarStep);
   grid.speed = speedOf(grid, signals);
-  grid.turn = turnsOf(grid.roll, grid.pitch);
-  grid.gyro_turn = gyroTurnsOf(grid, signals);
   return grid;
 }
 
@@ -188,36 +148,24 @@ Extent extentOf(const Values& values, std::size_t from, std::size_t to) {
   return extent;
 }
 
-// Sum of the known values of the kTurnSteps before i.
-double sumBefore(const Values& values, std::size_t i) {
-  double sum = 0.0;
-  for (std::size_t k = i - kTurnSteps; k < i && !values.empty(); ++k)
-    sum += std::isfinite(values[k]) ? values[k] : 0.0;
-  return sum;
-}
-
 std::vector<bool> upsetsOf(const Grid& grid) {
   const bool commanded = !grid.roll_cmd.empty() && !grid.pitch_cmd.empty();
   Values tilt(grid.size, kUnknown);
   for (std::size_t i = 0; i < grid.size && !grid.roll.empty() && !grid.pitch.empty(); ++i)
     tilt[i] = std::acos(std::clamp(std::cos(grid.roll[i]) * std::cos(grid.pitch[i]), -1.0, 1.0));
   std::vector<bool> upset(grid.size, false);
-  for (std::size_t i = kTurnSteps; i < grid.size; ++i) {
-    double tilt_allowed = kTiltUncommanded;
-    double turn_allowed = kTurnUncommanded;
+  for (std::size_t i = 1; i < grid.size; ++i) {
+    double allowed = kTiltUncommanded;
     if (commanded) {
-      const std::size_t since = i < kCommandSteps ? 0 : i - kCommandSteps;
-      const Extent roll = extentOf(grid.roll_cmd, since, i), pitch = extentOf(grid.pitch_cmd, since, i);
-      const auto greatest = [](const Extent& one) {
-        return std::fmax(0.0, std::fmax(std::abs(one.least), std::abs(one.greatest)));
+      const auto greatest = [&](const Values& command) {
+        const Extent recent = extentOf(command, i < kCommandSteps ? 0 : i - kCommandSteps, i);
+        return std::fmax(0.0, std::fmax(std::abs(recent.least), std::abs(recent.greatest)));
       };
-      const double range = std::hypot(std::fmax(0.0, roll.range()), std::fmax(0.0, pitch.range()));
-      tilt_allowed = std::max(kTiltAllowed, kTiltBeyond + std::hypot(greatest(roll), greatest(pitch)));
-      turn_allowed = std::max(kTurnAllowed, kTurnBeyond + kTurnRange * range);
+      allowed =
+          std::max(kTiltAllowed, kTiltBeyond + std::hypot(greatest(grid.roll_cmd), greatest(grid.pitch_cmd)));
     }
     // A single sample is an outlier.
-    const bool tilts = tilt[i] > tilt_allowed && tilt[i - 1] > kTiltAllowed;
-    upset[i] = tilts || std::max(sumBefore(grid.turn, i), sumBefore(grid.gyro_turn, i)) > turn_allowed;
+    upset[i] = tilt[i] > allowed && tilt[i - 1] > kTiltAllowed;
   }
   return upset;
 }

@@ -9,8 +9,7 @@ namespace polyfly {
 
 /// Finds the stretches in which the vehicle does not fly, in order of time, without overlap, with reasons.
 ///
-/// - Upset: it tilts far beyond what was commanded, or turns faster than commanded (by attitude or gyro). What follows
-///   until it flies again belongs to it, where it rests soon.
+/// - Upset: it tilts far beyond what was commanded. Rest that follows soon belongs to it.
 /// - Ground, unless `on_ground`: throttle at its least, with no speed or with the attitude at rest. Without a throttle:
 ///   attitude at rest, no speed, and height at its least.
 ///
