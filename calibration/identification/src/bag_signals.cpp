@@ -40,7 +40,6 @@ constexpr KnownType kKnownTypes[] = {
     {"sensor_msgs/Imu", "", 1,
      "roll=orientation.roll pitch=orientation.pitch yaw=orientation.yaw yaw_rate=angular_velocity.z "
      "gyro_x=angular_velocity.x gyro_y=angular_velocity.y gyro_z=angular_velocity.z "
-     "specific_force_x=linear_acceleration.x specific_force_y=linear_acceleration.y "
      "specific_force_z=linear_acceleration.z"},
     {"geometry_msgs/TransformStamped", "", 2,
      "roll=transform.rotation.roll pitch=transform.rotation.pitch yaw=transform.rotation.yaw "

@@ -40,8 +40,6 @@ constexpr Pattern kPatterns[] = {
     {"gyro_x", "wx gx roll_rate rollrate", "radps degps"},
     {"gyro_y", "wy gy pitch_rate pitchrate", "radps degps"},
     {"gyro_z", "wz gz", "radps degps"},
-    {"specific_force_x", "ax", "mps2"},
-    {"specific_force_y", "ay", "mps2"},
     {"height", "height z alt", "m"},
     {"height", "down", "m", -1.0}};
 

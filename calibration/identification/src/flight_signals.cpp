@@ -132,10 +132,7 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals) {
   return remarks;
 }
 
-bool isAuxiliary(const std::string& name) {
-  return name.compare(0, 5, "gyro_") == 0 || name == "specific_force_x" || name == "specific_force_y" ||
-         name == "height";
-}
+bool isAuxiliary(const std::string& name) { return name.compare(0, 5, "gyro_") == 0 || name == "height"; }
 
 namespace {
 

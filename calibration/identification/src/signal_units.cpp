@@ -124,8 +124,7 @@ void checkForce(FlightSignals* signals, const std::vector<TimeWindow>& left_out,
       middle < 0.0 ? "--signal specific_force_z=-" + placeOf(*signals, "specific_force_z") + " turns its sign"
                    : "give it in m/s^2, with gravity";
   remarks->push_back(text + help);
-  for (const char* name : {"specific_force_x", "specific_force_y", "specific_force_z"})
-    signals->series.erase(name);
+  signals->series.erase("specific_force_z");
 }
 
 }  // namespace

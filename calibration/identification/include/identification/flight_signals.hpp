@@ -24,10 +24,9 @@ namespace polyfly {
 /// | vx, vy, vz | in W [m/s] |
 /// | vn, ve, airspeed | velocity over ground to north and east, speed through the air [m/s] |
 /// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
-/// | specific_force_x, specific_force_y | along the body's x and y, by the accelerometer [m/s^2] |
 /// | height | up positive, above any level [m] |
 ///
-/// Rates of the gyro, specific_force_x and _y, and the height serve to check the others only: units
+/// Rates of the gyro and the height serve to check the others only: units
 /// (signal_units.hpp), and where the vehicle flies (flight_phases.hpp).
 struct FlightSignals {
   /// File that the signals come from.
