@@ -55,17 +55,18 @@ PACKAGES = {
     "fixedwing_lateral/fixedwing_lateral": {"polyfly_base", "command_line", "fixedwing_lateral", "fixedwing_plant"},
     "fixedwing_lateral/fixedwing_lateral/ros": {"polyfly_base", "polyfly_ros", "fixedwing_lateral", "fixedwing_lateral_ros"},
     "calibration/bags": {"polyfly_base", "bags"},
-    "calibration/identification": {"polyfly_base", "mpc_core", "bags", "identification"},
+    "calibration/report": {"polyfly_base", "map_plot", "bags", "report"},
+    "calibration/identification": {"polyfly_base", "mpc_core", "bags", "report", "identification"},
     "calibration/autopilot": {"polyfly_base", "identification", "autopilot"},
     "calibration/excitation": {"polyfly_base", "online_controller", "excitation"},
     "calibration/excitation/ros": {"polyfly_base", "polyfly_ros", "online_controller", "online_controller_ros",
                                    "fixedwing_lateral_ros", "excitation", "excitation_ros"},
-    "calibration/validation": {"polyfly_base", "region_maps", "map_plot", "mpc_core", "online_controller", "bags",
-                               "identification", "offline_mpt", "robust_mpc", "explorer_content", "validation"},
+    "calibration/validation": {"polyfly_base", "region_maps", "map_plot", "mpc_core", "online_controller", "bags", "report",
+                               "identification", "explorer_content", "validation"},
     "calibration/validation/ros": {"polyfly_base", "polyfly_ros", "command_line", "region_maps", "online_controller",
-                                   "online_controller_ros", "bags", "robust_mpc", "validation", "validation_ros"},
+                                   "online_controller_ros", "bags", "report", "robust_mpc", "validation", "validation_ros"},
     "calibration/app": {"polyfly_base", "bags", "command_line", "mpc_core", "online_controller", "fixedwing_lateral",
-                        "identification", "autopilot", "validation"},
+                        "report", "identification", "autopilot"},
 }
 LIBRARIES = set.union(*PACKAGES.values())
 

@@ -1,16 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
 #include <memory>
 
 #include "calibrate_commands.hpp"
+#include "identification/attitude_output.hpp"
 #include "identification/flight_signals.hpp"
 #include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/visible.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "validation/identification_report.hpp"
 
 namespace polyfly {
 namespace {
@@ -19,7 +16,6 @@ struct AttitudeArguments : LogArguments {
   std::string validation;
   std::vector<std::string> axes;
   std::vector<std::string> validation_windows;
-  std::string report;
   bool second_order = false;
   IdentifyOptions options;
 };
@@ -118,16 +114,14 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
 }
 
 int run(const AttitudeArguments& arguments) {
-  checkResults(arguments, arguments.report, arguments.validation);
+  checkResults(arguments, arguments.validation);
   const AttitudeCalibration calibration = calibrate(arguments);
-  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
-  if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
-  if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned =
+  const bool is_warned =
       calibration.lossy || !calibration.failed.empty() ||
       std::any_of(calibration.axes.begin(), calibration.axes.end(),
                   [](const AxisModel& axis) { return !axis.warnings.empty() || !axis.supported; });
-  return warned && arguments.strict ? kWarned : kCalibrated;
+  const Report page = arguments.report.empty() ? Report() : reportOn(calibration);
+  return writeResults(arguments, toText(calibration), jsonOf(calibration), page, is_warned);
 }
 
 }  // namespace
@@ -153,9 +147,6 @@ void addAttitudeCommand(CLI::App& app, int* result) {
   command->add_option("--delay-max", arguments->options.fit.delay_greatest, "Upper bound of the delay [s].")
       ->check(numberFrom(0.01, 3.0))
       ->capture_default_str();
-  command
-      ->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder.")
-      ->type_name("DIR");
   command->callback([arguments, result] { *result = run(*arguments); });
 }
 

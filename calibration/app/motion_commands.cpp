@@ -1,16 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <functional>
-#include <iostream>
 #include <memory>
 
 #include "calibrate_commands.hpp"
 #include "identification/motion_output.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/visible.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "validation/motion_report.hpp"
 
 namespace polyfly {
 namespace {
@@ -18,11 +13,7 @@ namespace {
 struct MotionArguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
-  std::vector<double> drag;
-  std::string report;
 };
-
-using Find = std::function<void(const std::vector<Motion>&, const MotionArguments&, MotionCalibration*)>;
 
 // The motion of each flight, and what the page draws of a single one.
 std::vector<Motion> readMotions(const MotionArguments& arguments, MotionCalibration* calibration) {
@@ -43,108 +34,73 @@ std::vector<Motion> readMotions(const MotionArguments& arguments, MotionCalibrat
   return motions;
 }
 
-int run(const std::string& kind, MotionArguments arguments, const Find& find) {
-  checkResults(arguments, arguments.report);
+int run(const std::string& kind, const MotionArguments& arguments) {
+  checkResults(arguments);
   MotionCalibration calibration;
   calibration.kind = kind;
   calibration.limits = arguments.limits;
-  for (std::size_t i = 0; i < arguments.drag.size(); ++i) {
-    arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
+  const MotionOptions& options = arguments.motion;
+  const std::vector<Motion> flights = readMotions(arguments, &calibration);
+  if (kind == "disturbance") {
+    const Motion motion = joined(flights);
+    calibration.bounds = boundDisturbance(motion, options, arguments.limits);
+    calibration.fit.traces = disturbanceTraces(motion, options);
+    calibration.fit.warnings = checkMotion(motion);
+  } else {
+    calibration.fit = kind == "drag" ? fitDrag(flights) : fitMass(flights, options);
   }
-  find(readMotions(arguments, &calibration), arguments, &calibration);
-  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
-  if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
-  if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned = calibration.lossy || !calibration.fit.warnings.empty() ||
-                      std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
-                                  [](const DisturbanceBound& one) { return !one.warnings.empty(); });
-  return warned && arguments.strict ? kWarned : kCalibrated;
+  const bool is_warned = calibration.lossy || !calibration.fit.warnings.empty() ||
+                         std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
+                                     [](const DisturbanceBound& one) { return !one.warnings.empty(); });
+  const Report page = arguments.report.empty() ? Report() : reportOn(calibration);
+  return writeResults(arguments, toText(calibration), jsonOf(calibration), page, is_warned);
 }
 
-void bound(const std::vector<Motion>& flights, const MotionArguments& arguments,
-           MotionCalibration* calibration) {
-  const Motion motion = joined(flights);
-  calibration->bounds = boundDisturbance(motion, arguments.motion, arguments.limits);
-  calibration->fit.traces = disturbanceTraces(motion, arguments.motion);
-  calibration->fit.warnings = checkMotion(motion);
-}
-
-void findDrag(const std::vector<Motion>& flights, const MotionArguments&, MotionCalibration* calibration) {
-  calibration->fit = fitDrag(flights);
-}
-
-void findMass(const std::vector<Motion>& flights, const MotionArguments& arguments,
-              MotionCalibration* calibration) {
-  calibration->fit = fitMass(flights, arguments.motion);
-}
-
-void declareMotion(CLI::App& command, MotionArguments& arguments) {
-  command.add_option("--gravity", arguments.motion.gravity, "Gravitational acceleration [m/s^2].")
-      ->check(numberFrom(1.0, 30.0))
-      ->capture_default_str();
-  command
-      .add_option("--smoothing", arguments.motion.smoothing,
-                  "Half width of the moving average of the velocity [s].")
-      ->check(numberFrom(0.0, 5.0))
-      ->capture_default_str();
-}
-
-void declareNewtons(CLI::App& command, MotionArguments& arguments) {
-  command.add_flag("--newtons", arguments.motion.newtons,
-                   "The thrust command is in newtons, although it never exceeds 1.");
-}
-
-void declareMass(CLI::App& command, MotionArguments& arguments) {
-  command.add_option("--mass", arguments.motion.mass, "Mass, if the thrust command is in newtons [kg].")
-      ->check(numberAbove(0.0));
-  declareNewtons(command, arguments);
-}
-
-void declareDrag(CLI::App& command, MotionArguments& arguments) {
-  command
-      .add_option("--drag", arguments.drag, "Drag coefficients along x, y, z of the world, per mass [1/s].")
-      ->check(finiteNumber())
-      ->expected(3);
-}
-
-CLI::App* add(CLI::App& app, const std::string& kind, const std::string& description, int* result,
-              const Find& find, const std::shared_ptr<MotionArguments>& arguments) {
+void add(CLI::App& app, const std::string& kind, const std::string& description, int* result) {
+  const auto arguments = std::make_shared<MotionArguments>();
   CLI::App* command = app.add_subcommand(kind, description);
   declareLog(*command, *arguments);
-  command
-      ->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder.")
-      ->type_name("DIR");
-  command->callback([kind, arguments, result, find] { *result = run(kind, *arguments, find); });
-  return command;
+  const auto addNumber = [&](const char* name, double& value, const char* meaning,
+                             const CLI::Validator& rule) {
+    return command->add_option(name, value, meaning)->check(rule);
+  };
+  MotionOptions& motion = arguments->motion;
+  addNumber("--gravity", motion.gravity, "Gravitational acceleration [m/s^2].", numberFrom(1.0, 30.0))
+      ->capture_default_str();
+  addNumber("--smoothing", motion.smoothing, "Half width of the moving average of the velocity [s].",
+            numberFrom(0.0, 5.0))
+      ->capture_default_str();
+  command->add_flag("--newtons", motion.newtons,
+                    "The thrust command is in newtons, although it never exceeds 1.");
+  if (kind != "mass")
+    addNumber("--mass", motion.mass, "Mass, if the thrust command is in newtons [kg].", numberAbove(0.0));
+  if (kind != "drag")
+    command
+        ->add_option_function<std::vector<double>>(
+            "--drag",
+            [&motion](const std::vector<double>& drag) {
+              motion.drag = {drag[0], drag[1], drag[2]};
+            },
+            "Drag coefficients along x, y, z of the world, per mass [1/s].")
+        ->check(finiteNumber())
+        ->expected(3);
+  if (kind == "disturbance") {
+    addNumber("--share", arguments->limits.share, "Share of the time in which the bounds hold.",
+              numberFrom(0.5, 0.9999))
+        ->capture_default_str();
+    addNumber("--confidence", arguments->limits.confidence, "Confidence that they hold.",
+              numberFrom(0.5, 0.9999))
+        ->capture_default_str();
+  }
+  command->callback([kind, arguments, result] { *result = run(kind, *arguments); });
 }
 
 }  // namespace
 
 void addMotionCommands(CLI::App& app, int* result) {
-  const auto limits = std::make_shared<MotionArguments>();
-  CLI::App* command =
-      add(app, "disturbance", "Bound the acceleration that thrust, attitude and drag do not explain.", result,
-          bound, limits);
-  declareMotion(*command, *limits);
-  declareMass(*command, *limits);
-  declareDrag(*command, *limits);
-  command->add_option("--share", limits->limits.share, "Share of the time in which the bounds hold.")
-      ->check(numberFrom(0.5, 0.9999))
-      ->capture_default_str();
-  command->add_option("--confidence", limits->limits.confidence, "Confidence that they hold.")
-      ->check(numberFrom(0.5, 0.9999))
-      ->capture_default_str();
-
-  const auto drag = std::make_shared<MotionArguments>();
-  command = add(app, "drag", "Identify the drag coefficients of the multirotor.", result, findDrag, drag);
-  declareMotion(*command, *drag);
-  declareMass(*command, *drag);
-
-  const auto mass = std::make_shared<MotionArguments>();
-  command = add(app, "mass", "Identify mass and hover thrust of the multirotor.", result, findMass, mass);
-  declareMotion(*command, *mass);
-  declareNewtons(*command, *mass);
-  declareDrag(*command, *mass);
+  add(app, "disturbance", "Bound the acceleration that thrust, attitude and drag do not explain.", result);
+  add(app, "drag", "Identify the drag coefficients of the multirotor.", result);
+  add(app, "mass", "Identify mass and hover thrust of the multirotor.", result);
 }
 
 }  // namespace polyfly

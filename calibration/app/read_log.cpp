@@ -5,11 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <limits>
 #include <map>
 
 #include "autopilot/autopilot_signals.hpp"
 #include "bags/recording_share.hpp"
+#include "calibrate_commands.hpp"
 #include "command_line/command_line.hpp"
 #include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
@@ -19,6 +21,9 @@
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "polyfly_base/visible.hpp"
+#include "polyfly_base/write_file.hpp"
+#include "report/yaml.hpp"
 
 namespace polyfly {
 namespace {
@@ -38,35 +43,30 @@ std::map<std::string, std::string> parseSignals(const std::vector<std::string>& 
 }  // namespace
 
 void declareLog(CLI::App& command, LogArguments& arguments) {
-  command
-      .add_option("log", arguments.logs,
-                  "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or a CSV file. "
-                  "Several flights of one vehicle give one model.")
-      ->required()
-      ->type_name("FILE...");
-  command
-      .add_option("--window", arguments.windows,
-                  "Interval to use, in seconds of the log. May be repeated. The tool chooses intervals if "
-                  "none is given. Of several logs it holds for all, or for the one of that NUMBER (from 1).")
-      ->type_name("[NUMBER:]FROM:TO");
-  command
-      .add_option("--signal", arguments.signals,
-                  "Place of a signal: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an autopilot log. "
-                  "time=COLUMN or time=SECONDS,NANOSECONDS names the times of a CSV. "
-                  "May be repeated. The tool finds signals by name and type if not given.")
-      ->type_name("SIGNAL=PLACE");
-  command
-      .add_option("--topic", arguments.topics,
-                  "Use only topics of the bag whose names end like this. May be repeated.")
-      ->type_name("ENDING");
-  command
-      .add_option("--namespace", arguments.name_space,
-                  "Namespace of the vehicle, where a bag holds several: only its topics are used.")
-      ->type_name("NAME");
-  command.add_option("--recorded", arguments.recorded,
-                     "Date of the flight, for the provenance of the result.");
-  command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
-      ->type_name("FILE");
+  const auto add = [&command](const char* name, auto& value, const char* type, const char* meaning) {
+    return command.add_option(name, value, meaning)->type_name(type);
+  };
+  add("log", arguments.logs, "FILE...",
+      "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or a CSV file. Several flights "
+      "of "
+      "one vehicle give one model.")
+      ->required();
+  add("--window", arguments.windows, "[NUMBER:]FROM:TO",
+      "Interval to use, in seconds of the log. May be repeated. The tool chooses intervals if none is given. "
+      "Of "
+      "several logs it holds for all, or for the one of that NUMBER (from 1).");
+  add("--signal", arguments.signals, "SIGNAL=PLACE",
+      "Place of a signal: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an autopilot log. time=COLUMN or "
+      "time=SECONDS,NANOSECONDS names the times of a CSV. May be repeated. The tool finds signals by name "
+      "and "
+      "type if not given.");
+  add("--topic", arguments.topics, "ENDING",
+      "Use only topics of the bag whose names end like this. May be repeated.");
+  add("--namespace", arguments.name_space, "NAME",
+      "Namespace of the vehicle, where a bag holds several: only its topics are used.");
+  add("--recorded", arguments.recorded, "TEXT", "Date of the flight, for the provenance of the result.");
+  add("-o,--output", arguments.output, "FILE", "Write the results to this file as YAML.");
+  add("--report", arguments.report, "DIR", "Write index.html and calibration.yaml into this folder.");
   command
       .add_option("--vehicle", arguments.vehicle,
                   "Kind of the vehicle. Only logs of PX4 and ArduPilot tell it by themselves.")
@@ -83,12 +83,10 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     TimeWindow window;
     const std::size_t colon = text.find(':');
-    bool good = colon != std::string::npos;
-    if (good) {
-      good = CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
-             CLI::detail::lexical_cast(text.substr(colon + 1), window.to) && std::isfinite(window.from) &&
-             std::isfinite(window.to) && window.from < window.to;
-    }
+    const bool good = colon != std::string::npos &&
+                      CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
+                      CLI::detail::lexical_cast(text.substr(colon + 1), window.to) &&
+                      std::isfinite(window.from) && std::isfinite(window.to) && window.from < window.to;
     if (!good) throw Error("--window " + text + ": must be FROM:TO in seconds, FROM before TO");
     windows.push_back(window);
   }
@@ -100,17 +98,18 @@ std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string
   std::vector<std::vector<TimeWindow>> windows(flights);
   for (const std::string& text : texts) {
     const std::size_t colon = text.find(':');
-    if (std::count(text.begin(), text.end(), ':') < 2) {
-      const TimeWindow window = parseWindows({text}).front();
-      for (auto& own : windows) own.push_back(window);
-      continue;
-    }
+    // Of all flights, or of the one of this number.
     std::size_t number = 0;
-    if (!CLI::detail::lexical_cast(text.substr(0, colon), number) || number < 1 || number > flights) {
+    const bool is_of_one = std::count(text.begin(), text.end(), ':') > 1;
+    if (is_of_one &&
+        (!CLI::detail::lexical_cast(text.substr(0, colon), number) || number < 1 || number > flights)) {
       throw Error("--window " + text + ": its first number must be that of a log, 1 to " +
                   std::to_string(flights));
     }
-    windows[number - 1].push_back(parseWindows({text.substr(colon + 1)}).front());
+    const TimeWindow window = parseWindows({is_of_one ? text.substr(colon + 1) : text}).front();
+    for (std::size_t i = 0; i < flights; ++i) {
+      if (!is_of_one || i + 1 == number) windows[i].push_back(window);
+    }
   }
   return windows;
 }
@@ -241,15 +240,23 @@ VehicleKind vehicleOf(const std::vector<ReadFlight>& flights) {
   return common;
 }
 
-void checkResults(const LogArguments& arguments, const std::string& report, const std::string& validation) {
+void checkResults(const LogArguments& arguments, const std::string& validation) {
   std::vector<Output> outputs = {{arguments.output}};
-  if (!report.empty()) {
-    for (const char* name : {"/index.html", "/calibration.yaml"})
-      outputs.push_back({report + name, Output::Kind::kText, Output::Folder::kIsMade});
+  for (const char* name : {"/index.html", "/calibration.yaml"}) {
+    if (!arguments.report.empty())
+      outputs.push_back({arguments.report + name, Output::Kind::kText, Output::Folder::kIsMade});
   }
   std::vector<std::string> inputs = arguments.logs;
   inputs.push_back(validation);
   checkOutputs(outputs, inputs);
+}
+
+int writeResults(const LogArguments& arguments, const std::string& text, const Json& json, const Report& page,
+                 bool is_warned) {
+  if (!arguments.quiet) std::cout << visibleLines(text);
+  if (!arguments.output.empty()) writeFileAtomically(arguments.output, yamlText(json));
+  if (!arguments.report.empty()) writePage(arguments.report, page, "calibration.yaml", yamlText(json));
+  return is_warned && arguments.strict ? kWarned : kCalibrated;
 }
 
 }  // namespace polyfly

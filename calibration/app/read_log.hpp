@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "identification/calibration_file.hpp"
 #include "identification/flight_signals.hpp"
-#include "identification/provenance.hpp"
+#include "report/report.hpp"
 
 namespace polyfly {
 
@@ -20,6 +21,7 @@ struct LogArguments {
   std::string recorded;
   std::string vehicle;
   std::string output;
+  std::string report;
   bool on_ground = false;
   bool strict = false;
   bool quiet = false;
@@ -54,7 +56,10 @@ VehicleKind vehicleOf(const std::vector<ReadFlight>& flights);
 
 /// Before the work: throws Error where the result or its report cannot be written, or would take the place of
 /// one of the logs (empty names apart).
-void checkResults(const LogArguments& arguments, const std::string& report,
-                  const std::string& validation = {});
+void checkResults(const LogArguments& arguments, const std::string& validation = {});
+
+/// Prints and writes what was asked for. Returns the exit code. Throws Error.
+int writeResults(const LogArguments& arguments, const std::string& text, const Json& json, const Report& page,
+                 bool is_warned);
 
 }  // namespace polyfly

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "identification/provenance.hpp"
+#include "identification/calibration_file.hpp"
 #include "made_logs.hpp"
 
 namespace polyfly {
@@ -162,7 +162,7 @@ TEST_F(CalibrateTool, ReadsMillisecondsWithDecimalCommas) {
   const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
   EXPECT_EQ(yaml["data"]["training"]["recorded"].as<std::string>(), "2020-09-13T12:26:40Z");
   EXPECT_NEAR(yaml["axes"]["roll"]["model"]["gain"].as<double>(), 1.0, 0.03);
-  expectPage("report", {"time since 2020-09-13T12:26:40Z [s]", "supported</span>"});
+  expectPage("report", {"time since 2020-09-13T12:26:40Z [s]", "supported</h2>"});
 }
 
 TEST_F(CalibrateTool, WritesAReport) {

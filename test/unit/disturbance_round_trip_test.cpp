@@ -16,6 +16,7 @@
 #include "polyfly_test/aslquad_figures.hpp"
 #include "project_root.hpp"
 #include "region_maps/write_map.hpp"
+#include "report/yaml.hpp"
 #include "robust_mpc/robust_law.hpp"
 
 namespace polyfly_test {
@@ -108,7 +109,7 @@ TEST(DisturbanceRoundTrip, FromABagToAMap) {
   calibration.limits.share = 0.65;
   calibration.bounds =
       polyfly::boundDisturbance(polyfly::motionOf(signals, options), options, calibration.limits);
-  std::ofstream(folder + "disturbance.yaml") << polyfly::toYaml(calibration);
+  std::ofstream(folder + "disturbance.yaml") << polyfly::yamlText(polyfly::jsonOf(calibration));
 
   const std::string text =
       replaced(polyfly::readText(problems + "/aslquad_lateral.yaml"), "unit: m/s^2, range: [-0.5, 0.5]}",

@@ -22,48 +22,18 @@ struct Code {
   char letter;
   std::size_t size;
   double scale;  // 0: text or an array, no number
+  char type;     // see numberAt
 };
-constexpr Code kCodes[] = {{'b', 1, 1.0},  {'B', 1, 1.0},  {'h', 2, 1.0},  {'H', 2, 1.0},  {'i', 4, 1.0},
-                           {'I', 4, 1.0},  {'f', 4, 1.0},  {'d', 8, 1.0},  {'c', 2, 0.01}, {'C', 2, 0.01},
-                           {'e', 4, 0.01}, {'E', 4, 0.01}, {'L', 4, 1e-7}, {'M', 1, 1.0},  {'q', 8, 1.0},
-                           {'Q', 8, 1.0},  {'n', 4, 0.0},  {'N', 16, 0.0}, {'Z', 64, 0.0}, {'a', 64, 0.0}};
-
-double valueAt(const std::uint8_t* data, char letter) {
-  switch (letter) {
-    case 'b':
-      return readNumber<std::int8_t>(data);
-    case 'B':
-    case 'M':
-      return *data;
-    case 'h':
-    case 'c':
-      return readNumber<std::int16_t>(data);
-    case 'H':
-    case 'C':
-      return readNumber<std::uint16_t>(data);
-    case 'i':
-    case 'e':
-    case 'L':
-      return readNumber<std::int32_t>(data);
-    case 'I':
-    case 'E':
-      return readNumber<std::uint32_t>(data);
-    case 'f':
-      return readNumber<float>(data);
-    case 'd':
-      return readNumber<double>(data);
-    case 'q':
-      return static_cast<double>(readNumber<std::int64_t>(data));
-    case 'Q':
-      return static_cast<double>(readNumber<std::uint64_t>(data));
-    default:
-      return std::numeric_limits<double>::quiet_NaN();
-  }
-}
+constexpr Code kCodes[] = {
+    {'b', 1, 1.0, 'b'},  {'B', 1, 1.0, 'B'},  {'h', 2, 1.0, 'h'},  {'H', 2, 1.0, 'H'},  {'i', 4, 1.0, 'i'},
+    {'I', 4, 1.0, 'I'},  {'f', 4, 1.0, 'f'},  {'d', 8, 1.0, 'd'},  {'c', 2, 0.01, 'h'}, {'C', 2, 0.01, 'H'},
+    {'e', 4, 0.01, 'i'}, {'E', 4, 0.01, 'I'}, {'L', 4, 1e-7, 'i'}, {'M', 1, 1.0, 'B'},  {'q', 8, 1.0, 'q'},
+    {'Q', 8, 1.0, 'Q'},  {'n', 4, 0.0, 's'},  {'N', 16, 0.0, 's'}, {'Z', 64, 0.0, 's'}, {'a', 64, 0.0, 's'}};
 
 struct Field {
   std::string name;
   char letter = 'B';
+  char type = 'B';
   // Offset from the end of the message header [bytes].
   std::size_t offset = 0;
   double scale = 1.0;
@@ -71,7 +41,7 @@ struct Field {
 
 // Where a row's time stands.
 struct Clock {
-  char letter = 'Q';
+  char type = 'Q';
   // Offset from the end of the message header [bytes].
   std::size_t offset = 0;
   // Factor from the logged unit to seconds. 0: the format has no time.
@@ -110,7 +80,7 @@ std::optional<std::vector<Field>> fieldsOf(const std::string& letters, const std
                                     [letter](const Code& one) { return one.letter == letter; });
     if (code == std::end(kCodes) || begin > names.size()) return std::nullopt;
     const std::size_t end = std::min(names.find(',', begin), names.size());
-    fields.push_back({names.substr(begin, end - begin), letter, offset, code->scale});
+    fields.push_back({names.substr(begin, end - begin), letter, code->type, offset, code->scale});
     begin = end + 1;
     offset += code->size;
   }
@@ -184,8 +154,8 @@ class Reader {
     format.fields = *fields;
     for (const Field& field : format.fields) {
       if (field.scale == 0.0) continue;
-      if (field.name == "TimeUS") format.time = {field.letter, field.offset, kMicroseconds};
-      if (field.name == "TimeMS") format.time = {field.letter, field.offset, kMilliseconds};
+      if (field.name == "TimeUS") format.time = {field.type, field.offset, kMicroseconds};
+      if (field.name == "TimeMS") format.time = {field.type, field.offset, kMilliseconds};
       // The instance of a sensor, or the core of an estimator, in logs that do not tell it by FMTU.
       const bool core = field.name == "C" && format.name.compare(0, 2, "XK") == 0;
       // A controller's integral is called I too, but is no byte.
@@ -194,7 +164,7 @@ class Reader {
     // A GPS that tells the week gives the time in it; the autopilot's own is T, where there is one.
     if (format.name == "GPS" && format.find("TimeMS") != nullptr && format.find("Week") != nullptr) {
       const Field* own = format.find("T");
-      format.time = own != nullptr ? Clock{own->letter, own->offset, own->scale * kMilliseconds} : Clock{};
+      format.time = own != nullptr ? Clock{own->type, own->offset, own->scale * kMilliseconds} : Clock{};
     }
     format.keep = format.time.scale > 0.0 && (wanted_.empty() || std::find(wanted_.begin(), wanted_.end(),
                                                                            format.name) != wanted_.end());
@@ -217,28 +187,22 @@ class Reader {
     if (format.name == "FMTU") addUnits(format, data);
     std::string name = format.name;
     if (format.instance) {
-      const double instance = valueAt(data + format.instance->offset, format.instance->letter);
+      const double instance = numberAt(data + format.instance->offset, format.instance->type);
       if (instance > 0.0) name += "[" + std::to_string(static_cast<int>(instance)) + "]";
     }
     ++log_.counts[name];
     if (!format.keep) return;
     LogTable& table = log_.tables[name];
-    table.time.push_back(format.time.scale * valueAt(data + format.time.offset, format.time.letter));
+    table.time.push_back(format.time.scale * numberAt(data + format.time.offset, format.time.type));
     for (const Field& field : format.fields) {
       if (field.scale == 0.0) continue;
-      std::vector<double>& column = table.column[field.name];
-      column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
-      column.push_back(field.scale * valueAt(data + field.offset, field.letter));
+      addValue(field.name, field.scale * numberAt(data + field.offset, field.type), &table);
     }
   }
 
   void finish() {
     if (log_.counts.empty()) throw Error(log_.path + ": holds no message that a format describes");
-    for (auto& [name, table] : log_.tables) {
-      for (auto& [field, column] : table.column) {
-        column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
-      }
-    }
+    fillColumns(&log_);
     log_.lossy = cut_ || skipped_ > 0 || damaged_ > 0;
     if (cut_) log_.remarks.push_back("the last message was cut off");
     if (skipped_ > 0)
@@ -258,13 +222,7 @@ class Reader {
 
 }  // namespace
 
-bool isDataflash(const std::string& path) {
-  std::array<char, kHeader> begin{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), begin.size());
-  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
-         static_cast<std::uint8_t>(begin[0]) == kHead1 && static_cast<std::uint8_t>(begin[1]) == kHead2;
-}
+bool isDataflash(const std::string& path) { return beginsWith(path, {kHead1, kHead2}); }
 
 AutopilotLog readDataflash(const std::string& path, const std::vector<std::string>& wanted) {
   return Reader(path, wanted).read();

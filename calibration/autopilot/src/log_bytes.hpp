@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "autopilot/autopilot_log.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -16,6 +18,58 @@ Number readNumber(const std::uint8_t* data) {
   Number number;
   std::memcpy(&number, data, sizeof number);
   return number;
+}
+
+/// The number of a type that Python's struct calls so: b B h H i I q Q f d. NaN for another letter.
+inline double numberAt(const std::uint8_t* data, char type) {
+  switch (type) {
+    case 'b':
+      return readNumber<std::int8_t>(data);
+    case 'B':
+      return *data;
+    case 'h':
+      return readNumber<std::int16_t>(data);
+    case 'H':
+      return readNumber<std::uint16_t>(data);
+    case 'i':
+      return readNumber<std::int32_t>(data);
+    case 'I':
+      return readNumber<std::uint32_t>(data);
+    case 'q':
+      return static_cast<double>(readNumber<std::int64_t>(data));
+    case 'Q':
+      return static_cast<double>(readNumber<std::uint64_t>(data));
+    case 'f':
+      return readNumber<float>(data);
+    case 'd':
+      return readNumber<double>(data);
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+/// Whether a file begins with these bytes.
+inline bool beginsWith(const std::string& path, const std::vector<std::uint8_t>& bytes) {
+  std::vector<char> begin(bytes.size());
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
+         std::memcmp(begin.data(), bytes.data(), bytes.size()) == 0;
+}
+
+/// Adds a value to the last row of a table. Rows before it that lack the field hold NaN.
+inline void addValue(const std::string& field, double value, LogTable* table) {
+  std::vector<double>& column = table->column[field];
+  column.resize(table->time.size() - 1, std::numeric_limits<double>::quiet_NaN());
+  column.push_back(value);
+}
+
+/// Fills the columns of all tables up to their last row.
+inline void fillColumns(AutopilotLog* log) {
+  for (auto& [name, table] : log->tables) {
+    for (auto& [field, column] : table.column)
+      column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
+  }
 }
 
 /// Forward reading of a file in pieces, with a look ahead.

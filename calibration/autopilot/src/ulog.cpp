@@ -27,51 +27,20 @@ constexpr std::size_t kMostLayouts = 100000;
 constexpr std::size_t kMostUntold = 16;
 constexpr double kMicroseconds = 1e-6;
 
-enum class Type { kI8, kU8, kI16, kU16, kI32, kU32, kI64, kU64, kF32, kF64, kBool, kChar };
-
 struct Primitive {
   const char* name;
-  Type type;
+  char type;  // see numberAt; c: a letter of a text
   std::size_t size;
 };
-constexpr Primitive kPrimitives[] = {
-    {"int8_t", Type::kI8, 1},    {"uint8_t", Type::kU8, 1},   {"int16_t", Type::kI16, 2},
-    {"uint16_t", Type::kU16, 2}, {"int32_t", Type::kI32, 4},  {"uint32_t", Type::kU32, 4},
-    {"int64_t", Type::kI64, 8},  {"uint64_t", Type::kU64, 8}, {"float", Type::kF32, 4},
-    {"double", Type::kF64, 8},   {"bool", Type::kBool, 1},    {"char", Type::kChar, 1}};
-
-double valueAt(const std::uint8_t* data, Type type) {
-  switch (type) {
-    case Type::kI8:
-      return readNumber<std::int8_t>(data);
-    case Type::kU8:
-    case Type::kBool:
-    case Type::kChar:
-      return *data;
-    case Type::kI16:
-      return readNumber<std::int16_t>(data);
-    case Type::kU16:
-      return readNumber<std::uint16_t>(data);
-    case Type::kI32:
-      return readNumber<std::int32_t>(data);
-    case Type::kU32:
-      return readNumber<std::uint32_t>(data);
-    case Type::kI64:
-      return static_cast<double>(readNumber<std::int64_t>(data));
-    case Type::kU64:
-      return static_cast<double>(readNumber<std::uint64_t>(data));
-    case Type::kF32:
-      return readNumber<float>(data);
-    case Type::kF64:
-      return readNumber<double>(data);
-  }
-  return 0.0;
-}
+constexpr Primitive kPrimitives[] = {{"int8_t", 'b', 1},   {"uint8_t", 'B', 1},  {"int16_t", 'h', 2},
+                                     {"uint16_t", 'H', 2}, {"int32_t", 'i', 4},  {"uint32_t", 'I', 4},
+                                     {"int64_t", 'q', 8},  {"uint64_t", 'Q', 8}, {"float", 'f', 4},
+                                     {"double", 'd', 8},   {"bool", 'B', 1},     {"char", 'c', 1}};
 
 // Where a number lies in a message.
 struct Field {
   std::string name;
-  Type type = Type::kU8;
+  char type = 'B';
   std::size_t offset = 0;
   std::size_t size = 0;
 };
@@ -265,8 +234,8 @@ class Reader {
         offset = *next;
         continue;
       }
-      const bool number = primitive->type != Type::kChar && name.compare(0, 8, "_padding") != 0;
-      if (full == "timestamp" && primitive->type == Type::kU64) subscription->stamp = offset;
+      const bool number = primitive->type != 'c' && name.compare(0, 8, "_padding") != 0;
+      if (full == "timestamp" && primitive->type == 'Q') subscription->stamp = offset;
       if (number) subscription->fields.push_back({full, primitive->type, offset, primitive->size});
       if (subscription->fields.size() > kMostFields) return std::nullopt;
       offset += primitive->size;
@@ -315,20 +284,14 @@ class Reader {
     table.time.push_back(kMicroseconds *
                          static_cast<double>(readNumber<std::uint64_t>(row + *subscription.stamp)));
     for (const Field& field : subscription.fields) {
-      std::vector<double>& column = table.column[field.name];
       // A message that is described anew may have other fields.
-      column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
-      column.push_back(valueAt(row + field.offset, field.type));
+      addValue(field.name, numberAt(row + field.offset, field.type), &table);
     }
   }
 
   void finish() {
     if (log_.counts.empty()) throw Error(log_.path + ": holds no data message");
-    for (auto& [name, table] : log_.tables) {
-      for (auto& [field, column] : table.column) {
-        column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
-      }
-    }
+    fillColumns(&log_);
     log_.lossy = cut_ || unread_ > 0 || damaged_ > 0 || unknown_ > 0 || lost_ > 0;
     if (cut_) log_.remarks.push_back("the last message was cut off");
     const auto tell = [this](std::size_t count, const char* what) {
@@ -369,13 +332,7 @@ class Reader {
 
 }  // namespace
 
-bool isULog(const std::string& path) {
-  std::array<char, kMagic.size()> begin{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), begin.size());
-  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
-         std::memcmp(begin.data(), kMagic.data(), kMagic.size()) == 0;
-}
+bool isULog(const std::string& path) { return beginsWith(path, {kMagic.begin(), kMagic.end()}); }
 
 AutopilotLog readULog(const std::string& path, const std::vector<std::string>& wanted) {
   return Reader(path, wanted).read();

@@ -57,7 +57,7 @@ TEST(OldNames, RatesAreHundredthsOfDegrees) {
   const FlightSignals signals = rates("Ihh", "TimeMS,YawDes,Yaw", [](double value, auto* row) {
                                   put(static_cast<std::int16_t>(std::lround(value)), row);
                                 }).signals;
-  EXPECT_EQ(signals.origin.at("yaw_rate_cmd"), "RATE:YawDes");
+  EXPECT_EQ(signals.origin.at("yaw_rate_cmd"), "-RATE:YawDes:cdeg");
   expectRadians(signals);
 }
 

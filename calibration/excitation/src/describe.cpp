@@ -29,40 +29,29 @@ std::vector<double> samplesOf(const ExcitationPlan& plan, ExcitedChannel channel
   return samples;
 }
 
-// Energy below each of the frequencies as a share of that below half the sampling frequency (Parseval).
-std::vector<double> energyShares(const std::vector<double>& samples, const std::vector<double>& frequencies) {
-  std::vector<double> fine;
-  for (double frequency = 0.5 * kFine; frequency < kHighest; frequency += kFine) fine.push_back(frequency);
-  const std::vector<double> amplitudes = amplitudeSpectrum(samples, kStep, fine);
-  double all = 0.0;
-  for (const double sample : samples) all += 0.5 * sample * sample * kStep;
-  std::vector<double> shares;
-  for (const double frequency : frequencies) {
-    double energy = 0.0;
-    for (std::size_t index = 0; index < fine.size() && fine[index] < frequency; ++index) {
-      energy += amplitudes[index] * amplitudes[index] * kFine;
-    }
-    shares.push_back(all > 0.0 ? std::min(1.0, energy / all) : 0.0);
-  }
-  return shares;
-}
-
 void writeSpectrum(const ExcitationPlan& plan, ExcitedChannel channel, std::ostream& out) {
   constexpr double kBar = 40.0;  // width of the longest bar
-  std::vector<double> frequencies;
-  for (double frequency = kLowest; frequency <= kHighest; frequency *= kRatio)
-    frequencies.push_back(frequency);
+  std::vector<double> rows, fine;
+  for (double frequency = kLowest; frequency <= kHighest; frequency *= kRatio) rows.push_back(frequency);
+  for (double frequency = 0.5 * kFine; frequency < kHighest; frequency += kFine) fine.push_back(frequency);
   const std::vector<double> samples = samplesOf(plan, channel);
-  const std::vector<double> amplitudes = amplitudeSpectrum(samples, kStep, frequencies);
-  const std::vector<double> shares = energyShares(samples, frequencies);
+  const std::vector<double> amplitudes = amplitudeSpectrum(samples, kStep, rows);
+  const std::vector<double> spectrum = amplitudeSpectrum(samples, kStep, fine);
   const double greatest = *std::max_element(amplitudes.begin(), amplitudes.end());
+  // Energy below half the sampling frequency (Parseval).
+  double all = 0.0;
+  for (const double sample : samples) all += 0.5 * sample * sample * kStep;
   out << "\n"
       << nameOf(channel) << ": spectrum of all its manoeuvres\n  f [Hz]   |U| [" << unitOf(channel)
       << " s]   energy below\n";
-  for (std::size_t row = 0; row < frequencies.size(); ++row) {
-    out << "  " << std::setw(6) << std::setprecision(3) << frequencies[row] << "   " << std::setw(10)
+  double below = 0.0;
+  std::size_t next = 0;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (; next < fine.size() && fine[next] < rows[row]; ++next)
+      below += spectrum[next] * spectrum[next] * kFine;
+    out << "  " << std::setw(6) << std::setprecision(3) << rows[row] << "   " << std::setw(10)
         << std::setprecision(3) << amplitudes[row] << "   " << std::setw(5)
-        << std::lround(100.0 * shares[row]) << " %   "
+        << std::lround(100.0 * std::min(1.0, below / std::max(all, 1e-300))) << " %   "
         << std::string(static_cast<std::size_t>(kBar * amplitudes[row] / std::max(greatest, 1e-300)), '#')
         << "\n";
   }

@@ -28,19 +28,8 @@ bool pulsed(const Manoeuvre& manoeuvre) {
 }  // namespace
 
 const char* nameOf(ExcitationState state) {
-  switch (state) {
-    case ExcitationState::kWaiting:
-      return "waiting";
-    case ExcitationState::kRunning:
-      return "running";
-    case ExcitationState::kDone:
-      return "done";
-    case ExcitationState::kAborted:
-      return "aborted";
-    case ExcitationState::kHandedOver:
-      return "handed over";
-  }
-  return "";
+  constexpr const char* kNames[] = {"waiting", "running", "done", "aborted", "handed over"};
+  return kNames[static_cast<std::size_t>(state)];
 }
 
 ExcitationFlight::ExcitationFlight(ExcitationPlan plan, const ExcitationOptions& options)

@@ -1,16 +1,11 @@
 #include "excitation/plan.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <cmath>
-#include <optional>
-#include <set>
+#include <iterator>
 #include <sstream>
 
-#include "polyfly_base/decimal.hpp"
-#include "polyfly_base/error.hpp"
-#include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "polyfly_base/yaml_field.hpp"
 
 namespace polyfly {
 namespace {
@@ -25,101 +20,46 @@ constexpr Names kChannels[kExcitedChannels] = {
     {"roll", "rad"}, {"pitch", "rad"}, {"yaw_rate", "rad/s"}, {"thrust", "m/s^2"}};
 constexpr const char* kShapes[4] = {"2-1-1", "doublet", "multisine", "chirp"};
 
-// One map of the YAML, read key by key; what is left over is refused.
-class Fields {
- public:
-  Fields(const YAML::Node& node, std::string place) : node_(node), place_(std::move(place)) {
-    if (!node_.IsMap()) throw Error(place_ + ": must be a map");
-  }
+double numberOf(const YamlField& field, double least, double greatest) {
+  const double value = field.number();
+  if (value >= least && value <= greatest) return value;
+  std::ostringstream rule;
+  rule << "must lie in [" << least << ", " << greatest << "], got " << value;
+  field.fail(rule.str());
+}
 
-  double number(const std::string& key, double fallback, double least, double greatest) {
-    known_.insert(key);
-    if (!node_[key]) return fallback;
-    return numberOf(key, node_[key], least, greatest);
-  }
+double numberAt(const YamlField& entry, const char* key, double fallback, double least, double greatest) {
+  return entry.has(key) ? numberOf(entry.at(key), least, greatest) : fallback;
+}
 
-  std::vector<double> numbers(const std::string& key, double least, double greatest) {
-    known_.insert(key);
-    if (!node_[key]) refuse(key, "missing");
-    std::vector<double> values;
-    if (node_[key].IsSequence()) {
-      for (const YAML::Node& entry : node_[key]) values.push_back(numberOf(key, entry, least, greatest));
-    } else {
-      values.push_back(numberOf(key, node_[key], least, greatest));
-    }
-    if (values.empty()) refuse(key, "must not be empty");
-    return values;
-  }
+// A value alone, or a list of at least one.
+std::vector<YamlField> oneOrMore(const YamlField& field) {
+  std::vector<YamlField> items = field.isList() ? field.items() : std::vector<YamlField>{field};
+  if (items.empty()) field.fail("must not be empty");
+  return items;
+}
 
-  std::vector<std::string> texts(const std::string& key) {
-    known_.insert(key);
-    if (!node_[key]) refuse(key, "missing");
-    std::vector<std::string> values;
-    try {
-      values = node_[key].IsSequence() ? node_[key].as<std::vector<std::string>>()
-                                       : std::vector<std::string>{node_[key].as<std::string>()};
-    } catch (const YAML::Exception&) {
-      refuse(key, "must be a name or a list of names");
-    }
-    if (values.empty()) refuse(key, "must not be empty");
-    return values;
-  }
+bool flagAt(const YamlField& entry, const char* key, bool fallback) {
+  if (!entry.has(key)) return fallback;
+  const std::string text = entry.at(key).text();
+  if (text != "true" && text != "false") entry.failAt(key, "must be true or false");
+  return text == "true";
+}
 
-  bool flag(const std::string& key, bool fallback) {
-    known_.insert(key);
-    if (!node_[key]) return fallback;
-    try {
-      return node_[key].as<bool>();
-    } catch (const YAML::Exception&) {
-      refuse(key, "must be true or false");
-    }
-  }
-
-  void refuseUnknown() const {
-    for (const auto& entry : node_) {
-      const std::string key = entry.first.as<std::string>();
-      if (known_.count(key) == 0) refuse(key, "unknown");
-    }
-  }
-
-  void know(const std::string& key) { known_.insert(key); }
-  [[noreturn]] void refuse(const std::string& key, const std::string& rule) const {
-    throw Error(place_ + ": " + key + ": " + rule);
-  }
-
- private:
-  double numberOf(const std::string& key, const YAML::Node& node, double least, double greatest) const {
-    const std::optional<double> value = node.IsScalar() ? decimalNumber(node.Scalar()) : std::nullopt;
-    if (!value) refuse(key, std::string("must be a number") + kDecimalRule);
-    requireRange(key, *value, least, greatest);
-    return *value;
-  }
-
-  // Written so that NaN fails.
-  void requireRange(const std::string& key, double value, double least, double greatest) const {
-    if (value >= least && value <= greatest) return;
-    std::ostringstream rule;
-    rule << "must lie in [" << least << ", " << greatest << "], got " << value;
-    refuse(key, rule.str());
-  }
-
-  YAML::Node node_;
-  std::string place_;
-  std::set<std::string> known_;
-};
-
-ExcitedChannel channelOf(const std::string& name, const Fields& fields) {
+ExcitedChannel channelOf(const YamlField& field) {
+  const std::string name = field.text();
   for (std::size_t index = 0; index < kExcitedChannels; ++index) {
     if (name == kChannels[index].name) return static_cast<ExcitedChannel>(index);
   }
-  fields.refuse("channels", "'" + name + "' is none of roll, pitch, yaw_rate, thrust");
+  field.fail("'" + name + "' is none of roll, pitch, yaw_rate, thrust");
 }
 
-ExcitationShape shapeOf(const std::string& name, const Fields& fields) {
+ExcitationShape shapeOf(const YamlField& field) {
+  const std::string name = field.text();
   for (std::size_t index = 0; index < std::size(kShapes); ++index) {
     if (name == kShapes[index]) return static_cast<ExcitationShape>(index);
   }
-  fields.refuse("shape", "'" + name + "' is none of 2-1-1, doublet, multisine, chirp");
+  field.fail("'" + name + "' is none of 2-1-1, doublet, multisine, chirp");
 }
 
 // The greatest amplitude that can be meant: more is a value in degrees.
@@ -136,52 +76,61 @@ double greatestAmplitude(ExcitedChannel channel) {
   return 0.0;
 }
 
-// All manoeuvres of one entry: every channel, repetition, amplitude and sign.
-void addEntry(const YAML::Node& node, const std::string& place, ExcitationPlan* plan) {
-  Fields fields(node, place);
-  const std::vector<std::string> shapes = fields.texts("shape");
-  if (shapes.size() != 1) fields.refuse("shape", "must be one name");
+// What all manoeuvres of an entry have in common.
+Manoeuvre manoeuvreOf(const YamlField& entry) {
+  // The shape decides which keys there are.
+  if (!entry.has("shape")) entry.failAt("shape", "missing");
   Manoeuvre manoeuvre;
-  manoeuvre.shape = shapeOf(shapes.front(), fields);
+  manoeuvre.shape = shapeOf(entry.at("shape"));
   const bool pulsed =
       manoeuvre.shape == ExcitationShape::kTwoOneOne || manoeuvre.shape == ExcitationShape::kDoublet;
   if (pulsed) {
-    manoeuvre.unit_time = fields.number("unit_time", manoeuvre.unit_time, 0.02, 10.0);
-  } else {
-    manoeuvre.length = fields.number("length", manoeuvre.length, 0.5, 600.0);
-    manoeuvre.frequency_from = fields.number("frequency_from", manoeuvre.frequency_from, 0.01, 25.0);
-    manoeuvre.frequency_to = fields.number("frequency_to", manoeuvre.frequency_to, 0.01, 25.0);
-    if (manoeuvre.frequency_to < manoeuvre.frequency_from)
-      fields.refuse("frequency_to", "must not be below frequency_from");
+    entry.checkKeys({"shape", "channels", "amplitudes"}, {"both_signs", "repeat", "unit_time"});
+    manoeuvre.unit_time = numberAt(entry, "unit_time", manoeuvre.unit_time, 0.02, 10.0);
+    return manoeuvre;
   }
   if (manoeuvre.shape == ExcitationShape::kMultisine) {
-    const double tones = fields.number("tones", manoeuvre.tones, 1.0, 200.0);
-    if (tones != std::floor(tones)) fields.refuse("tones", "must be a whole number");
-    manoeuvre.tones = static_cast<int>(tones);
+    entry.checkKeys({"shape", "channels", "amplitudes"},
+                    {"both_signs", "repeat", "length", "frequency_from", "frequency_to", "tones"});
+    if (entry.has("tones")) manoeuvre.tones = entry.at("tones").integer(1, 200);
+  } else {
+    entry.checkKeys({"shape", "channels", "amplitudes"},
+                    {"both_signs", "repeat", "length", "frequency_from", "frequency_to"});
   }
-  const std::vector<std::string> channels = fields.texts("channels");
-  const std::vector<double> amplitudes = fields.numbers("amplitudes", 0.0, 10.0);
-  const bool both = fields.flag("both_signs", true);
-  const double repetitions = fields.number("repeat", 1.0, 1.0, 100.0);
-  if (repetitions != std::floor(repetitions)) fields.refuse("repeat", "must be a whole number");
-  fields.refuseUnknown();
-  for (const std::string& name : channels) {
-    manoeuvre.channel = channelOf(name, fields);
-    for (int repetition = 0; repetition < static_cast<int>(repetitions); ++repetition) {
-      for (const double amplitude : amplitudes) {
-        if (!(amplitude > 0.0 && amplitude <= greatestAmplitude(manoeuvre.channel))) {
+  manoeuvre.length = numberAt(entry, "length", manoeuvre.length, 0.5, 600.0);
+  manoeuvre.frequency_from = numberAt(entry, "frequency_from", manoeuvre.frequency_from, 0.01, 25.0);
+  manoeuvre.frequency_to = numberAt(entry, "frequency_to", manoeuvre.frequency_to, 0.01, 25.0);
+  if (manoeuvre.frequency_to < manoeuvre.frequency_from)
+    entry.failAt("frequency_to", "must not be below frequency_from");
+  return manoeuvre;
+}
+
+// All manoeuvres of one entry: every channel, repetition, amplitude and sign.
+void addEntry(const YamlField& entry, ExcitationPlan* plan) {
+  Manoeuvre manoeuvre = manoeuvreOf(entry);
+  const bool both = flagAt(entry, "both_signs", true);
+  const int repetitions = entry.has("repeat") ? entry.at("repeat").integer(1, 100) : 1;
+  std::vector<double> deviations;
+  for (const YamlField& field : oneOrMore(entry.at("amplitudes"))) {
+    const double amplitude = numberOf(field, 0.0, 10.0);
+    deviations.push_back(amplitude);
+    if (both) deviations.push_back(-amplitude);
+  }
+  for (const YamlField& channel : oneOrMore(entry.at("channels"))) {
+    manoeuvre.channel = channelOf(channel);
+    for (int repetition = 0; repetition < repetitions; ++repetition) {
+      for (const double deviation : deviations) {
+        const double greatest = greatestAmplitude(manoeuvre.channel);
+        if (!(std::abs(deviation) > 0.0 && std::abs(deviation) <= greatest)) {
           std::ostringstream rule;
-          rule << "of " << name << " must lie above 0 and up to " << greatestAmplitude(manoeuvre.channel)
-               << " " << unitOf(manoeuvre.channel) << ", got " << amplitude;
-          fields.refuse("amplitudes", rule.str());
+          rule << "of " << nameOf(manoeuvre.channel) << " must lie above 0 and up to " << greatest << " "
+               << unitOf(manoeuvre.channel) << ", got " << std::abs(deviation);
+          entry.failAt("amplitudes", rule.str());
         }
-        for (const double sign : {1.0, -1.0}) {
-          if (sign < 0.0 && !both) continue;
-          manoeuvre.amplitude = sign * amplitude;
-          manoeuvre.start = plan->duration();
-          plan->manoeuvres.push_back(manoeuvre);
-          if (plan->manoeuvres.size() > kMostManoeuvres) throw Error(place + ": more than 1000 manoeuvres");
-        }
+        manoeuvre.amplitude = deviation;
+        manoeuvre.start = plan->duration();
+        plan->manoeuvres.push_back(manoeuvre);
+        if (plan->manoeuvres.size() > kMostManoeuvres) entry.fail("more than 1000 manoeuvres");
       }
     }
   }
@@ -194,19 +143,13 @@ const char* unitOf(ExcitedChannel channel) { return kChannels[static_cast<std::s
 const char* nameOf(ExcitationShape shape) { return kShapes[static_cast<std::size_t>(shape)]; }
 
 ExcitationPlan parsePlan(const std::string& text, const std::string& source) {
-  const YAML::Node root = loadYaml(text, source);
-  Fields fields(root, source);
+  const YamlField root = YamlField::parse(text, source);
+  root.checkKeys({"manoeuvres"}, {"rest"});
   ExcitationPlan plan;
-  plan.rest = fields.number("rest", plan.rest, 0.0, 60.0);
-  fields.know("manoeuvres");
-  fields.refuseUnknown();
-  const YAML::Node entries = root["manoeuvres"];
-  if (!entries || !entries.IsSequence() || entries.size() == 0) {
-    throw Error(source + ": manoeuvres: must be a list with one entry or more");
-  }
-  for (std::size_t index = 0; index < entries.size(); ++index) {
-    addEntry(entries[index], source + ": manoeuvres[" + std::to_string(index) + "]", &plan);
-  }
+  plan.rest = numberAt(root, "rest", plan.rest, 0.0, 60.0);
+  const YamlField entries = root.at("manoeuvres");
+  if (!entries.isList() || entries.items().empty()) entries.fail("must be a list with one entry or more");
+  for (const YamlField& entry : entries.items()) addEntry(entry, &plan);
   return plan;
 }
 

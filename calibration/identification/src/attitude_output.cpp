@@ -1,104 +1,79 @@
 #include "identification/attitude_output.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <iterator>
 #include <sstream>
+#include <utility>
 
 #include "identification/flight_phases.hpp"
-#include "identification/yaml_text.hpp"
+#include "report/figures.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kGravity = 9.8066;  // [m/s^2]
+constexpr const char* kRejectedColor = "#f6dcd3";
+// Of the models for a controller, in their order.
+constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen,
+                                        palette::kPurple};
 
-std::string nameOfFile(const AxisModel& flight) {
-  return std::filesystem::path(flight.source).filename().string();
+Json leftOut(const std::vector<RejectedWindow>& windows) {
+  Json list = Json::array();
+  for (const RejectedWindow& one : windows)
+    list.push_back({{"from", one.window.from}, {"to", one.window.to}, {"reason", one.reason}});
+  return list;
 }
 
-void writeLeftOut(const std::vector<RejectedWindow>& left_out, const std::string& indent, std::ostream& out) {
-  out << indent << "left_out:" << (left_out.empty() ? " []" : "") << "\n";
-  for (const RejectedWindow& one : left_out) {
-    out << indent << "  - {from: " << yamlNumber(one.window.from) << ", to: " << yamlNumber(one.window.to)
-        << ", reason: " << yamlString(one.reason) << "}\n";
-  }
-}
+Json intervalOf(const FittedParameter& parameter) { return {parameter.least(), parameter.greatest()}; }
 
-// One flight as a map, several as a list.
-void writeProvenance(const char* key, const std::vector<Provenance>& flights, std::ostream& out) {
-  out << "  " << key << ":";
-  for (const Provenance& flight : flights)
-    out << (flights.size() > 1 ? "\n    - " : " ") << provenanceMap(flight);
-  out << "\n";
-}
-
-std::string intervalOf(const FittedParameter& parameter) {
-  return "[" + yamlNumber(parameter.least()) + ", " + yamlNumber(parameter.greatest()) + "]";
-}
-
-void writeFlight(const AxisModel& flight, std::ostream& out) {
-  out << "      - file: " << yamlString(nameOfFile(flight))
-      << "\n        windows: " << windowList(flight.choice.windows) << "\n";
-  writeLeftOut(flight.choice.rejected, "        ", out);
-  out << "        fit_percent: " << yamlNumber(flight.with_delay.fit_percent) << "\n        parameters:\n";
-  for (const FittedParameter& parameter : flight.with_delay.parameters) {
-    out << "          " << parameter.name << ": {value: " << yamlNumber(parameter.value)
-        << ", interval_95: " << intervalOf(parameter) << "}\n";
-  }
-}
-
-const char* purposeOf(const std::string& key) {
-  if (key == "model_without_delay") return "Eq. 37 as problem files take it: the delay counted as lag";
-  if (key == "model_second_order") return "Eq. 45 with delay, for a guidance that compensates it";
-  if (key == "model_second_order_without_delay") return "Eq. 45 for one that does not";
-  return "Eq. 37 with delay, for a controller that compensates it";
-}
-
-// One model in the form in which a controller takes it, and what it is worth.
-void writeControllerModel(const AxisModel& axis, const ControllerModel& model, std::ostream& out) {
-  out << "    " << model.key << ":  # "
-      << (axis.axis == "thrust" ? "m/s^2 per command" : purposeOf(model.key)) << "\n";
-  std::string intervals;
+Json json(const ControllerModel& model) {
+  Json out, intervals;
   for (const FittedParameter& one : model.fit.parameters) {
-    out << "      " << one.name << ": " << yamlNumber(one.value) << "\n";
-    intervals += (intervals.empty() ? "" : ", ") + one.name + ": " + intervalOf(one);
+    out[one.name] = one.value;
+    intervals[one.name] = intervalOf(one);
   }
-  out << "      intervals_95: {" << intervals << "}\n      fit_percent: " << yamlNumber(model.fit.fit_percent)
-      << "\n";
-  if (model.validation)
-    out << "      validation_percent: " << yamlNumber(model.validation->validation_percent) << "\n";
-  out << "      supported: " << (model.supported() ? "true" : "false") << "\n";
-  writeSentences("reasons", "      ", model.reasons, out);
+  out["intervals_95"] = intervals;
+  out["fit_percent"] = model.fit.fit_percent;
+  if (model.validation) out["validation_percent"] = model.validation->validation_percent;
+  out["supported"] = model.supported();
+  out["reasons"] = model.reasons;
+  return out;
+}
+
+Json flightJson(const AxisModel& flight) {
+  Json parameters;
+  for (const FittedParameter& one : flight.with_delay.parameters)
+    parameters[one.name] = {{"value", one.value}, {"interval_95", intervalOf(one)}};
+  return {{"file", fileName(flight.source)},
+          {"windows", jsonOf(flight.choice.windows)},
+          {"left_out", leftOut(flight.choice.rejected)},
+          {"fit_percent", flight.with_delay.fit_percent},
+          {"parameters", parameters}};
 }
 
 // The command that holds the vehicle, of a model of thrust.
 double hoverCommand(const LoopFit& fit) { return (kGravity - fit.offset) / fit.gain; }
 
-void writeAxis(const AxisModel& axis, std::ostream& out) {
-  out << "  " << axis.axis << ":\n    unit: " << yamlString(axis.unit)
-      << "\n    supported: " << (axis.supported ? "true" : "false")
-      << "  # that of the model which problem files take\n";
-  for (const ControllerModel& model : axis.controller_models) writeControllerModel(axis, model, out);
-  if (axis.axis == "thrust") {
-    out << "    hover_command: " << yamlNumber(hoverCommand(axis.with_delay))
-        << "  # where the model holds 9.8066 m/s^2\n";
-  }
+Json json(const AxisModel& axis) {
+  Json out = {{"unit", axis.unit}, {"supported", axis.supported}};
+  for (const ControllerModel& model : axis.controller_models) out[model.key] = json(model);
+  if (axis.axis == "thrust") out["hover_command"] = hoverCommand(axis.with_delay);
   if (axis.flights.empty()) {
-    out << "    windows: " << windowList(axis.choice.windows) << "  # [s] in the file's own time\n";
-    writeLeftOut(axis.choice.rejected, "    ", out);
-  } else {
-    out << "    flights:\n";
-    for (const AxisModel& flight : axis.flights) writeFlight(flight, out);
+    out["windows"] = jsonOf(axis.choice.windows);
+    out["left_out"] = leftOut(axis.choice.rejected);
   }
-  out << "    samples: " << axis.with_delay.samples << "\n";
+  for (const AxisModel& flight : axis.flights) out["flights"].push_back(flightJson(flight));
+  out["samples"] = axis.with_delay.samples;
   if (axis.validation) {
-    out << "    validation: {training_percent: " << yamlNumber(axis.validation->training_percent)
-        << ", validation_percent: " << yamlNumber(axis.validation->validation_percent)
-        << ", by_halves: " << (axis.validation->by_halves ? "true" : "false")
-        << ", by_flights: " << (axis.validation->by_flights ? "true" : "false") << "}\n";
+    out["validation"] = {{"training_percent", axis.validation->training_percent},
+                         {"validation_percent", axis.validation->validation_percent},
+                         {"by_halves", axis.validation->by_halves},
+                         {"by_flights", axis.validation->by_flights}};
   }
-  writeSentences("warnings", "    ", axis.warnings, out);
+  out["warnings"] = axis.warnings;
+  return out;
 }
 
 // Without a zero before the point.
@@ -108,9 +83,6 @@ std::string shortNumber(double value) {
   if (zero == 0 || (zero == 1 && number[0] == '-')) number.erase(zero, 1);
   return number;
 }
-
-// What people call the parameter of a loop.
-std::string wordFor(const std::string& parameter) { return parameter == "tau" ? "lag" : parameter; }
 
 // The numbers of a model, and half of each interval.
 struct NumbersText {
@@ -123,10 +95,10 @@ NumbersText numbersOf(const LoopFit& fit) {
   for (const FittedParameter& one : fit.parameters) {
     if (one.name == "offset") continue;
     const std::string unit = one.unit.empty() || one.unit == "1" ? "" : " " + one.unit;
-    text.values +=
-        (text.values.empty() ? "" : ", ") + wordFor(one.name) + " " + shortNumber(one.value) + unit;
-    text.half_widths += (text.half_widths.empty() ? "" : ", ") +
-                        (std::isfinite(one.half_width) ? shortNumber(one.half_width) + unit : "unknown");
+    const std::string comma = text.values.empty() ? "" : ", ";
+    text.values += comma + (one.name == "tau" ? "lag" : one.name) + " " + shortNumber(one.value) + unit;
+    text.half_widths +=
+        comma + (std::isfinite(one.half_width) ? shortNumber(one.half_width) + unit : "unknown");
   }
   return text;
 }
@@ -136,13 +108,146 @@ const char* validatedOn(const AxisValidationFit& validation) {
   return validation.by_halves ? "on the second half" : "on the other flight";
 }
 
-void writeSecondOrder(const AxisModel& axis, std::ostream& out) {
-  for (const ControllerModel& model : axis.controller_models) {
-    if (model.fit.shape.order == LoopOrder::kSecond)
-      out << "  " << model.title << ": " << numbersOf(model.fit).values
-          << (model.supported() ? ", supported\n" : ", NOT SUPPORTED\n");
-    for (const std::string& sentence : model.reasons) out << "  " << model.key << ": " << sentence << "\n";
+// What was left out of the axis, a clause for each reason; of several flights with the file.
+std::vector<std::string> leftOutClauses(const AxisModel& axis) {
+  std::vector<std::string> clauses = clausesOn(axis.choice.rejected);
+  for (const AxisModel& flight : axis.flights) {
+    for (const std::string& clause : clausesOn(flight.choice.rejected))
+      clauses.push_back(fileName(flight.source) + ": " + clause);
   }
+  return clauses;
+}
+
+// First time of the record, from which figures of a record since 1970 count [s].
+double startOf(const AxisModel& axis) {
+  return std::min(axis.record.response.time.front(), axis.record.command.time.front());
+}
+
+Series curve(std::vector<double> x, std::vector<double> y, const std::string& label,
+             const std::string& color) {
+  Series series;
+  series.x = std::move(x);
+  series.y = std::move(y);
+  series.label = label;
+  series.color = color;
+  return series;
+}
+
+// Curves of all segments with a gap between them.
+Series ofSegments(const std::vector<LoopSegment>& segments, const std::vector<std::vector<double>>* values,
+                  const std::string& label, const std::string& color) {
+  Series series = curve({}, {}, label, color);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const std::vector<double>& y = values != nullptr ? (*values)[i] : segments[i].response;
+    series.x.push_back(segments[i].time.front());
+    series.y.push_back(kNothing);
+    series.x.insert(series.x.end(), segments[i].time.begin(), segments[i].time.end());
+    series.y.insert(series.y.end(), y.begin(), y.end());
+  }
+  return series;
+}
+
+ReportSection selectionFigure(const AxisModel& axis) {
+  Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
+  for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
+  for (const RejectedWindow& rejected : axis.choice.rejected)
+    panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
+  const TimeSeries& response = axis.record.response;
+  panel.series = {
+      thinned(withGaps(curve(response.time, response.value, "measured", kMeasuredColor)), kCurvePoints)};
+  if (axis.command_unit == axis.unit) {
+    const TimeSeries& command = axis.record.command;
+    Series series = curve(command.time, command.value, "command", palette::kVermilion);
+    series.style = Series::Style::kSteps;
+    panel.series.push_back(thinned(withGaps(series), kCurvePoints));
+  }
+  std::vector<Panel> panels = {panel};
+  countFrom(startOf(axis), &panels);
+  return pictured(
+      axis.axis + ": what was used",
+      "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.", panels,
+      row_height::kAlone);
+}
+
+// The models' predictions on segments, those of the fit or of the validation.
+ReportSection comparisonFigure(const std::string& heading, const std::string& caption, const AxisModel& axis,
+                               const std::vector<LoopSegment>& segments, bool validated) {
+  Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
+  Panel residuals = timePanel("", withUnit("measured − model", axis.unit));
+  Series measured = ofSegments(segments, nullptr, "measured", kMeasuredColor);
+  measured.width = 3.5;
+  panel.series = {thinned(measured, 2 * kCurvePoints)};
+  for (std::size_t i = 0; i < axis.controller_models.size(); ++i) {
+    const ControllerModel& one = axis.controller_models[i];
+    if (validated && !one.validation) continue;
+    const Series model = ofSegments(segments, validated ? &one.validation->prediction : &one.fit.prediction,
+                                    one.title, kModelColors[i % std::size(kModelColors)]);
+    Series residual = model;
+    for (std::size_t k = 0; k < residual.y.size(); ++k) residual.y[k] = measured.y[k] - model.y[k];
+    panel.series.push_back(thinned(model, 2 * kCurvePoints));
+    residuals.series.push_back(thinned(residual, 2 * kCurvePoints));
+  }
+  std::vector<Panel> panels = {panel, residuals};
+  // Another flight has a clock of its own.
+  const double first = segments.front().time.front();
+  countFrom(first >= axis.record.response.time.front() ? startOf(axis) : first, &panels);
+  return pictured(heading, caption, panels, row_height::kPaired);
+}
+
+void addFigures(const AxisModel& axis, const std::string& begin, std::vector<ReportSection>* sections) {
+  std::vector<ReportSection> figures = {
+      selectionFigure(axis),
+      comparisonFigure(axis.axis + ": measured and modelled",
+                       "On the data that the models were made from; below, what they leave.", axis,
+                       axis.segments, false)};
+  if (axis.validation && !axis.validation->segments.empty()) {
+    const std::string models =
+        axis.validation->by_halves
+            ? "The models of the first half of the data on the second half, which they have not seen."
+            : "The models on " + axis.validation->source + ", which they have not seen.";
+    figures.push_back(
+        comparisonFigure(axis.axis + ": validation", models, axis, axis.validation->segments, true));
+  }
+  for (ReportSection& figure : figures) {
+    figure.heading = begin + figure.heading;
+    sections->push_back(std::move(figure));
+  }
+}
+
+// What controllers can be given, each with its own evaluation, and what each flight says.
+void addTables(const AxisModel& axis, std::vector<ReportSection>* sections) {
+  Json rows = Json::array();
+  for (const ControllerModel& model : axis.controller_models) {
+    rows.push_back(json(model));
+    rows.back()["model"] = model.title + " (" + model.key + ")";
+    const NumbersText numbers = numbersOf(model.fit);
+    rows.back()["numbers"] = numbers.values;
+    rows.back()["half_widths"] = numbers.half_widths;
+  }
+  ReportSection section = {axis.axis + (axis.supported ? ": supported" : ": not supported"),
+                           {answerOf(axis)}};
+  for (const std::string& clause : leftOutClauses(axis)) section.sentences.push_back("Left out: " + clause);
+  section.table = tableOf(rows, {{"model for a controller", "/model"},
+                                 {"supported", "/supported", ReportColumn::Rule::kTrue},
+                                 {"fit [%]", "/fit_percent"},
+                                 {"validation [%]", "/validation_percent"},
+                                 {"numbers", "/numbers"},
+                                 {"±", "/half_widths"},
+                                 {"why not", "/reasons"}});
+  sections->push_back(section);
+  if (axis.flights.empty()) return;
+  sections->push_back({"What each flight says of " + axis.axis,
+                       {"The numbers above are the means of these flights."},
+                       {},
+                       tableOf(json(axis)["flights"], {{"flight", "/file"},
+                                                       {"gain", "/parameters/gain/value"},
+                                                       {"its interval", "/parameters/gain/interval_95"},
+                                                       {"lag [s]", "/parameters/tau/value"},
+                                                       {"its interval", "/parameters/tau/interval_95"},
+                                                       {"delay [s]", "/parameters/delay/value"},
+                                                       {"its interval", "/parameters/delay/interval_95"},
+                                                       {"fit [%]", "/fit_percent"}}),
+                       {}});
 }
 
 }  // namespace
@@ -158,28 +263,15 @@ std::string answerOf(const AxisModel& axis) {
   return answer + sentence(", %.1f %% ", axis.validation->validation_percent) + validatedOn(*axis.validation);
 }
 
-std::vector<std::string> leftOutClauses(const AxisModel& axis) {
-  std::vector<std::string> clauses = clausesOn(axis.choice.rejected);
-  for (const AxisModel& flight : axis.flights) {
-    for (const std::string& clause : clausesOn(flight.choice.rejected))
-      clauses.push_back(nameOfFile(flight) + ": " + clause);
-  }
-  return clauses;
-}
-
-std::string toYaml(const AttitudeCalibration& calibration) {
-  std::ostringstream out;
-  out << "# Inner loops as identified from flight; calibration/README.md explains every key.\n"
-      << "polyfly_calibration: 1\nkind: attitude\ntool_version: " << yamlString(kIdentificationVersion)
-      << "\ndata:\n";
-  writeProvenance("training", calibration.training, out);
-  if (calibration.validation) writeProvenance("validation", {*calibration.validation}, out);
-  out << vehicleLine(calibration.vehicle);
-  if (!calibration.remarks.empty()) writeSentences("remarks", "", calibration.remarks, out);
-  out << "axes:" << (calibration.axes.empty() ? " {}" : "") << "\n";
-  for (const AxisModel& axis : calibration.axes) writeAxis(axis, out);
-  if (!calibration.failed.empty()) writeSentences("failed", "", calibration.failed, out);
-  return out.str();
+Json jsonOf(const AttitudeCalibration& calibration) {
+  Json data = {{"training", jsonOf(calibration.training)}};
+  if (calibration.validation) data["validation"] = jsonOf(std::vector<Provenance>{*calibration.validation});
+  Json out = calibrationHead("attitude", data, calibration.vehicle);
+  out["remarks"] = calibration.remarks;
+  out["axes"] = Json::object();
+  for (const AxisModel& axis : calibration.axes) out["axes"][axis.axis] = json(axis);
+  if (!calibration.failed.empty()) out["failed"] = calibration.failed;
+  return out;
 }
 
 std::string toText(const AttitudeCalibration& calibration) {
@@ -187,12 +279,35 @@ std::string toText(const AttitudeCalibration& calibration) {
   for (const std::string& sentence : calibration.remarks) out << "note: " << sentence << "\n";
   for (const AxisModel& axis : calibration.axes) {
     out << answerOf(axis) << "\n";
-    writeSecondOrder(axis, out);
+    for (const ControllerModel& model : axis.controller_models) {
+      if (model.fit.shape.order == LoopOrder::kSecond)
+        out << "  " << model.title << ": " << numbersOf(model.fit).values
+            << (model.supported() ? ", supported\n" : ", NOT SUPPORTED\n");
+      for (const std::string& sentence : model.reasons) out << "  " << model.key << ": " << sentence << "\n";
+    }
     for (const std::string& clause : leftOutClauses(axis)) out << "  left out: " << clause << "\n";
     for (const std::string& sentence : axis.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const std::string& sentence : calibration.failed) out << "not identified: " << sentence << "\n";
   return out.str();
+}
+
+Report reportOn(const AttitudeCalibration& calibration) {
+  std::vector<std::string> reasons = calibration.remarks;
+  reasons.insert(reasons.end(), calibration.failed.begin(), calibration.failed.end());
+  for (const AxisModel& axis : calibration.axes) {
+    for (const std::string& warning : axis.warnings) reasons.push_back(axis.axis + ": " + warning);
+    if (!axis.supported)
+      reasons.push_back(axis.axis + ": The model that problem files take is not supported: do not use it.");
+  }
+  Report page = calibrationPage(calibration.training, reasons);
+  for (const AxisModel& axis : calibration.axes) {
+    addTables(axis, &page.sections);
+    if (axis.flights.empty()) addFigures(axis, "", &page.sections);
+    for (const AxisModel& flight : axis.flights)
+      addFigures(flight, fileName(flight.source) + ": ", &page.sections);
+  }
+  return page;
 }
 
 }  // namespace polyfly

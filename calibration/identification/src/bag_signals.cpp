@@ -4,89 +4,71 @@
 #include <cmath>
 #include <memory>
 #include <set>
+#include <sstream>
 
 #include "bags/recording_share.hpp"
-#include "clock_choice.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "sentence.hpp"
 #include "topic_signals.hpp"
 
 namespace polyfly {
 namespace {
 
-using Angle = FieldUse::Angle;
-
 // What a type of message can tell. A lower rank wins where two types tell the same signal.
 struct KnownType {
   const char* type;
-  const char* topic;  // must be in the name, if not empty
+  // Must be in the name of the topic, if not empty.
+  const char* topic;
   int rank;
-  std::vector<FieldUse> uses;
+  // SIGNAL=FIELD, separated by blanks, as behind --signal.
+  const char* uses;
 };
 
-const std::vector<KnownType>& knownTypes() {
-  static const std::vector<KnownType> kTypes = {
-      {"mav_msgs/RollPitchYawrateThrust",
-       "",
-       0,
-       {{"roll_cmd", "roll"},
-        {"pitch_cmd", "pitch"},
-        {"yaw_rate_cmd", "yaw_rate"},
-        {"thrust_cmd", "thrust.z"}}},
-      {"mavros_msgs/AttitudeTarget",
-       "",
-       1,
-       {{"roll_cmd", "orientation", Angle::kRoll},
-        {"pitch_cmd", "orientation", Angle::kPitch},
-        {"yaw_rate_cmd", "body_rate.z"},
-        {"thrust_cmd", "thrust"}}},
-      {"geometry_msgs/PoseStamped",
-       "attitude",
-       1,
-       {{"roll_cmd", "pose.orientation", Angle::kRoll}, {"pitch_cmd", "pose.orientation", Angle::kPitch}}},
-      {"std_msgs/Float64", "throttle", 1, {{"thrust_cmd", "data"}}},
-      {"std_msgs/Float64", "thrust", 1, {{"thrust_cmd", "data"}}},
-      {"nav_msgs/Odometry",
-       "",
-       0,
-       {{"roll", "pose.pose.orientation", Angle::kRoll},
-        {"pitch", "pose.pose.orientation", Angle::kPitch},
-        {"yaw", "pose.pose.orientation", Angle::kYaw},
-        {"yaw_rate", "twist.twist.angular.z"},
-        {"height", "pose.pose.position.z"}}},
-      {"sensor_msgs/Imu",
-       "",
-       1,
-       {{"roll", "orientation", Angle::kRoll},
-        {"pitch", "orientation", Angle::kPitch},
-        {"yaw", "orientation", Angle::kYaw},
-        {"yaw_rate", "angular_velocity.z"},
-        {"gyro_x", "angular_velocity.x"},
-        {"gyro_y", "angular_velocity.y"},
-        {"gyro_z", "angular_velocity.z"},
-        {"specific_force_x", "linear_acceleration.x"},
-        {"specific_force_y", "linear_acceleration.y"},
-        {"specific_force_z", "linear_acceleration.z"}}},
-      {"geometry_msgs/TransformStamped",
-       "",
-       2,
-       {{"roll", "transform.rotation", Angle::kRoll},
-        {"pitch", "transform.rotation", Angle::kPitch},
-        {"yaw", "transform.rotation", Angle::kYaw},
-        {"height", "transform.translation.z"}}},
-      {"geometry_msgs/PoseStamped",
-       "pose",
-       3,
-       {{"roll", "pose.orientation", Angle::kRoll},
-        {"pitch", "pose.orientation", Angle::kPitch},
-        {"yaw", "pose.orientation", Angle::kYaw},
-        {"height", "pose.position.z"}}},
-      {"geometry_msgs/TwistStamped",
-       "velocity_local",
-       1,
-       {{"vx", "twist.linear.x"}, {"vy", "twist.linear.y"}, {"vz", "twist.linear.z"}}},
-  };
-  return kTypes;
+constexpr KnownType kKnownTypes[] = {
+    {"mav_msgs/RollPitchYawrateThrust", "", 0,
+     "roll_cmd=roll pitch_cmd=pitch yaw_rate_cmd=yaw_rate thrust_cmd=thrust.z"},
+    {"mavros_msgs/AttitudeTarget", "", 1,
+     "roll_cmd=orientation.roll pitch_cmd=orientation.pitch yaw_rate_cmd=body_rate.z thrust_cmd=thrust"},
+    {"geometry_msgs/PoseStamped", "attitude", 1,
+     "roll_cmd=pose.orientation.roll pitch_cmd=pose.orientation.pitch"},
+    {"std_msgs/Float64", "throttle", 1, "thrust_cmd=data"},
+    {"std_msgs/Float64", "thrust", 1, "thrust_cmd=data"},
+    {"nav_msgs/Odometry", "", 0,
+     "roll=pose.pose.orientation.roll pitch=pose.pose.orientation.pitch yaw=pose.pose.orientation.yaw "
+     "yaw_rate=twist.twist.angular.z height=pose.pose.position.z"},
+    {"sensor_msgs/Imu", "", 1,
+     "roll=orientation.roll pitch=orientation.pitch yaw=orientation.yaw yaw_rate=angular_velocity.z "
+     "gyro_x=angular_velocity.x gyro_y=angular_velocity.y gyro_z=angular_velocity.z "
+     "specific_force_z=linear_acceleration.z"},
+    {"geometry_msgs/TransformStamped", "", 2,
+     "roll=transform.rotation.roll pitch=transform.rotation.pitch yaw=transform.rotation.yaw "
+     "height=transform.translation.z"},
+    {"geometry_msgs/PoseStamped", "pose", 3,
+     "roll=pose.orientation.roll pitch=pose.orientation.pitch yaw=pose.orientation.yaw "
+     "height=pose.position.z"},
+    {"geometry_msgs/TwistStamped", "velocity_local", 1,
+     "vx=twist.linear.x vy=twist.linear.y vz=twist.linear.z"}};
+
+// A path of a number, or of a quaternion with the angle that is wanted of it.
+FieldUse fieldUse(const std::string& signal, const std::string& path, double scale) {
+  FieldUse use = {signal, path, "", scale};
+  for (const std::string angle : {"roll", "pitch", "yaw"}) {
+    if (!endsWith(path, "." + angle)) continue;
+    use.angle = angle;
+    use.path.resize(path.size() - angle.size() - 1);
+  }
+  return use;
+}
+
+std::vector<FieldUse> usesOf(const KnownType& known) {
+  std::vector<FieldUse> uses;
+  std::istringstream words(known.uses);
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    uses.push_back(fieldUse(word.substr(0, equals), word.substr(equals + 1), 1.0));
+  }
+  return uses;
 }
 
 // Whether messages of this type on this topic are what the list means.
@@ -132,15 +114,7 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
   if (colon == std::string::npos || colon == 0 || colon + 1 == place.size()) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
-  Choice choice = {place.substr(0, colon), {signal, place.substr(colon + 1), Angle::kNone, chosen.factor()}};
-  const std::pair<const char*, Angle> angles[] = {
-      {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
-  for (const auto& [ending, angle] : angles) {
-    if (!endsWith(choice.use.path, ending)) continue;
-    choice.use.angle = angle;
-    choice.use.path.resize(choice.use.path.size() - std::string(ending).size());
-  }
-  return choice;
+  return {place.substr(0, colon), fieldUse(signal, place.substr(colon + 1), chosen.factor())};
 }
 
 // The namespace with a slash on both sides. Empty if none is given.
@@ -236,10 +210,10 @@ class Collector {
     }
     constexpr int kChosen = -1;
     if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
-    for (const KnownType& known : knownTypes()) {
+    for (const KnownType& known : kKnownTypes) {
       if (!isHeard(connection.topic) || !isKnown(known, connection)) continue;
       std::vector<FieldUse> uses;
-      for (const FieldUse& use : known.uses) {
+      for (const FieldUse& use : usesOf(known)) {
         if (!isChosen(use.signal)) uses.push_back(use);
       }
       const bool odometry = std::string(known.type) == "nav_msgs/Odometry";
@@ -311,25 +285,36 @@ class Collector {
     return best;
   }
 
-  // Returns the topics that give a signal.
+  // Why the clock is used, and what that means for a delay. Empty where nothing is to be said.
+  static std::string clauseOn(const HeaderClock& clock, SignalClock which, double greatest_lead) {
+    if (which == SignalClock::kHeaders) return clock.steps.empty() ? "" : "the times of the headers are used";
+    if (clock.isSteady()) return "";
+    std::string clause = "the times of the recorder are used";
+    if (greatest_lead > 0.0 && greatest_lead <= kLeastClockStep) {
+      clause += sentence(
+          "; other messages reached it up to %.3g s after their stamps, and a delay may be off by as much",
+          greatest_lead);
+    }
+    return clause;
+  }
+
+  // All signals have one clock: that of the headers where each topic's stamps can be used, else the recorder's. Returns
+  // the topics that give a signal.
   std::set<std::string> gather(BagSignals* result) const {
     const Repeats repeats = findRepeats();
     const std::map<std::string, Winner> best = winners(repeats);
     // All readers of a topic have the same stamps.
     std::map<std::string, HeaderClock> clocks;
-    ClockChoice choice;
-    for (const auto& [signal, winner] : best) {
-      const auto [place, is_new] = clocks.try_emplace(winner.topic);
-      if (!is_new) continue;
-      place->second = winner.reader->clock();
-      choice.add(place->second);
+    for (const auto& [signal, winner] : best) clocks[winner.topic] = winner.reader->clock();
+    SignalClock which = SignalClock::kHeaders;
+    double greatest_lead = 0.0;
+    for (const auto& [topic, clock] : clocks) {
+      if (!clock.isSteady()) which = SignalClock::kRecorder;
+      if (clock.isSteady()) greatest_lead = std::max(greatest_lead, std::abs(clock.lead));
     }
     const double start = result->health.first;
-    std::map<const TopicSignals*, std::map<std::string, TimeSeries>> series;
     for (const auto& [signal, winner] : best) {
-      if (series.count(winner.reader) == 0)
-        series[winner.reader] = winner.reader->series(start, choice.of(clocks.at(winner.topic)));
-      result->signals.series[signal] = std::move(series.at(winner.reader).at(signal));
+      result->signals.series[signal] = winner.reader->series(start, which).at(signal);
       result->signals.origin[signal] = winner.topic;
     }
     for (const auto& [topic, sources] : sources_) {
@@ -342,7 +327,7 @@ class Collector {
       // Nothing is said of topics that are whole and not used.
       if (clock == clocks.end() && !sources.front().reader->names().empty()) continue;
       std::vector<std::string> clauses = sources.front().reader->remarks(start);
-      if (clock != clocks.end()) clauses.push_back(choice.clauseOn(clock->second));
+      if (clock != clocks.end()) clauses.push_back(clauseOn(clock->second, which, greatest_lead));
       std::string remark;
       for (const std::string& clause : clauses)
         remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;

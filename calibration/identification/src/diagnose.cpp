@@ -34,133 +34,102 @@ constexpr double kFollows = 0.7;
 // Factor by which the correlation of another axis must exceed the own correlation.
 constexpr double kFrameFactor = 1.3;
 
-class Diagnosis {
- public:
-  Diagnosis(const AxisModel& model, const AxisRecords& records, const FitOptions& bounds)
-      : model_(model), records_(records), bounds_(bounds) {}
+using Sentences = std::vector<std::string>;
 
-  std::vector<std::string> run() {
-    sign();
-    scale();
-    frame();
-    clock();
-    quality();
-    following();
-    return warnings_;
+void judgeScale(const AxisModel& model, Sentences* warnings) {
+  if (model.with_delay.find("gain")->greatest() < 0.0) {
+    warnings->emplace_back(
+        "The response goes against the command: the sign or the frame (y left or right, z up or down) of one "
+        "of "
+        "them is wrong.");
   }
-
- private:
-  void say(const std::string& sentence) { warnings_.push_back(sentence); }
-  bool isThrust() const { return model_.axis == "thrust"; }
-
-  void sign() {
-    const FittedParameter* gain = model_.with_delay.find("gain");
-    if (gain->greatest() < 0.0) {
-      say("The response goes against the command: the sign or the frame (y left or right, z up or down) of "
-          "one of them "
-          "is wrong.");
-    }
+  const double size = std::abs(model.with_delay.gain);
+  if (model.axis == "thrust" || (size >= kLeastGain && size <= kGreatestGain)) return;
+  const auto near = [size](double value) {
+    return size > value / kDegreeMargin && size < value * kDegreeMargin;
+  };
+  if (near(kDegree) || near(1.0 / kDegree)) {
+    warnings->push_back(sentence("The gain is %.4g: one of command and response is in degrees.", size));
+  } else {
+    warnings->push_back(sentence(
+        "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
+        "different scales, or the command is not that of this loop.",
+        size));
   }
+}
 
-  void scale() {
-    const double size = std::abs(model_.with_delay.gain);
-    if (isThrust() || (size >= kLeastGain && size <= kGreatestGain)) return;
-    const auto near = [size](double value) {
-      return size > value / kDegreeMargin && size < value * kDegreeMargin;
-    };
-    if (near(kDegree) || near(1.0 / kDegree)) {
-      say(sentence("The gain is %.4g: one of command and response is in degrees.", size));
-    } else {
-      say(sentence(
-          "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
-          "different scales, or the command is not that of this loop.",
-          size));
-    }
+// Mean correlation over what was used, of a command with the response of the loop or with another one.
+double correlationOf(const AxisModel& model, const TimeSeries& command, const TimeSeries* response) {
+  double sum = 0.0;
+  double seconds = 0.0;
+  for (const LoopSegment& segment : model.segments) {
+    const TimeWindow window = {segment.time.front(), segment.time.back()};
+    const TimeSeries own = {segment.time, segment.response};
+    sum += segment.duration() *
+           std::abs(bestCorrelation(command, response != nullptr ? *response : own, window, 1.0));
+    seconds += segment.duration();
   }
+  return sum / seconds;
+}
 
-  // Mean correlation, over what was used.
-  double correlationOf(const TimeSeries& command, const TimeSeries* response) const {
-    double sum = 0.0;
-    double seconds = 0.0;
-    for (const LoopSegment& segment : model_.segments) {
-      const TimeWindow window = {segment.time.front(), segment.time.back()};
-      const TimeSeries own = {segment.time, segment.response};
-      sum += segment.duration() * std::abs(bestCorrelation(command, response ? *response : own, window, 1.0));
-      seconds += segment.duration();
-    }
-    return sum / seconds;
-  }
-
-  void frame() {
-    const double own = correlationOf(model_.record.command, nullptr);
-    if (records_.other_command && !records_.other_command->time.empty()) {
-      const double other = correlationOf(*records_.other_command, nullptr);
-      if (other > kFrameFactor * own) {
-        say(sentence(
-            "The response follows the command of the other axis (correlation %.2f) more than its own "
-            "(%.2f): the "
-            "axes are swapped, or the frame is turned by the yaw angle.",
-            other, own));
-      }
-    }
-    if (records_.vertical_velocity && !records_.vertical_velocity->time.empty()) {
-      const double rate = correlationOf(model_.record.command, &*records_.vertical_velocity);
-      if (rate > kFrameFactor * own && rate > kFollows) {
-        say(sentence(
-            "The vertical velocity follows the command (correlation %.2f) more than the acceleration "
-            "(%.2f): it is a "
-            "command of climb rate, not of thrust.",
-            rate, own));
-      }
+void judgeFrame(const AxisModel& model, const AxisRecords& records, Sentences* warnings) {
+  const double own = correlationOf(model, model.record.command, nullptr);
+  if (records.other_command && !records.other_command->time.empty()) {
+    const double other = correlationOf(model, *records.other_command, nullptr);
+    if (other > kFrameFactor * own) {
+      warnings->push_back(
+          sentence("The response follows the command of the other axis (correlation %.2f) more than its own "
+                   "(%.2f): the "
+                   "axes are swapped, or the frame is turned by the yaw angle.",
+                   other, own));
     }
   }
-
-  void clock() {
-    const double delay = model_.with_delay.shape.delay;
-    if (delay > kLongDelay || delay > 0.98 * bounds_.delay_greatest) {
-      say(sentence(
-          "The delay of %.2f s is longer than a loop's own: the clocks of command and response may disagree.",
-          delay));
-    }
-    if (model_.lead > 0.0) say(leadSentence(model_.lead));
+  if (!records.vertical_velocity || records.vertical_velocity->time.empty()) return;
+  const double rate = correlationOf(model, model.record.command, &*records.vertical_velocity);
+  if (rate > kFrameFactor * own && rate > kFollows) {
+    warnings->push_back(
+        sentence("The vertical velocity follows the command (correlation %.2f) more than the acceleration "
+                 "(%.2f): it is "
+                 "a command of climb rate, not of thrust.",
+                 rate, own));
   }
+}
 
-  void quality() {
-    if (model_.validation &&
-        model_.validation->validation_percent < model_.validation->training_percent - kDropFit) {
-      say(sentence("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
-                   model_.validation->training_percent, model_.validation->validation_percent));
-    }
-    const auto total =
-        static_cast<double>(model_.record.response.time.size() + model_.record.command.time.size());
-    const auto left_out = static_cast<double>(model_.cleaning.not_finite + model_.cleaning.out_of_order);
-    if (left_out > kManyLeftOut * total) {
-      say(sentence(
-          "%.0f samples were left out because they are not finite, and %.0f because their time does not "
-          "increase.",
-          static_cast<double>(model_.cleaning.not_finite),
-          static_cast<double>(model_.cleaning.out_of_order)));
-    }
+void judgeClock(const AxisModel& model, const FitOptions& bounds, Sentences* warnings) {
+  const double delay = model.with_delay.shape.delay;
+  if (delay > kLongDelay || delay > 0.98 * bounds.delay_greatest) {
+    warnings->push_back(sentence(
+        "The delay of %.2f s is longer than a loop's own: the clocks of command and response may disagree.",
+        delay));
   }
+  if (model.lead > 0.0) warnings->push_back(leadSentence(model.lead));
+}
 
+void judgeData(const AxisModel& model, Sentences* warnings) {
+  if (model.validation &&
+      model.validation->validation_percent < model.validation->training_percent - kDropFit) {
+    warnings->push_back(
+        sentence("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
+                 model.validation->training_percent, model.validation->validation_percent));
+  }
+  const auto total =
+      static_cast<double>(model.record.response.time.size() + model.record.command.time.size());
+  const auto not_finite = static_cast<double>(model.cleaning.not_finite);
+  const auto out_of_order = static_cast<double>(model.cleaning.out_of_order);
+  if (not_finite + out_of_order > kManyLeftOut * total) {
+    warnings->push_back(
+        sentence("%.0f samples were left out because they are not finite, and %.0f because their time does "
+                 "not increase.",
+                 not_finite, out_of_order));
+  }
   // What was left out because the response does not follow, against what was used.
-  void following() {
-    const double used = model_.usedTime();
-    const double moving = model_.movingTime();
-    if (used < kFollowedShare * moving) {
-      say(sentence(
-          "The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
-          "is not "
-          "that of this loop.",
-          used, moving));
-    }
+  if (model.usedTime() < kFollowedShare * model.movingTime()) {
+    warnings->push_back(sentence(
+        "The response follows the command in %.1f s of %.1f s only: another mode flew, or the command is not "
+        "that of this loop.",
+        model.usedTime(), model.movingTime()));
   }
-
-  const AxisModel& model_;
-  const AxisRecords& records_;
-  const FitOptions& bounds_;
-  std::vector<std::string> warnings_;
-};
+}
 
 }  // namespace
 
@@ -182,7 +151,12 @@ std::string leadSentence(double lead) {
 
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {
-  return Diagnosis(model, records, bounds).run();
+  std::vector<std::string> warnings;
+  judgeScale(model, &warnings);
+  judgeFrame(model, records, &warnings);
+  judgeClock(model, bounds, &warnings);
+  judgeData(model, &warnings);
+  return warnings;
 }
 
 }  // namespace polyfly

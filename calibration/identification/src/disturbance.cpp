@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit_uncertainty.hpp"
 #include "identification/motion.hpp"
-#include "regression.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {

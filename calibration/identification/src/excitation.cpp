@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 
 namespace polyfly {
 namespace {

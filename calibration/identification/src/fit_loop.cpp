@@ -177,8 +177,6 @@ LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& opti
   fit.gain = part.coefficients()[0];
   fit.offset = part.coefficients()[1];
   fit.residual_scale = search.scale;
-  const Eigen::VectorXd residuals = part.residuals();
-  fit.residual_rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
   fit.samples = static_cast<std::size_t>(part.samples());
   fit.fit_percent = fitPercent(part.response(), part.model());
   fit.prediction = split(part.model(), part.starts());
@@ -194,7 +192,6 @@ LoopPrediction predictLoop(const LoopFit& fit, const std::vector<LoopSegment>& s
   part.solve(std::max(fit.residual_scale, std::numeric_limits<double>::min()), kFinalRounds, &held);
   LoopPrediction result;
   result.fit_percent = fitPercent(part.response(), part.model());
-  result.residual_rms = std::sqrt(part.residuals().squaredNorm() / static_cast<double>(part.samples()));
   result.prediction = split(part.model(), part.starts());
   return result;
 }

@@ -4,125 +4,15 @@
 #include <cmath>
 #include <limits>
 
-#include "csv_times.hpp"
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 constexpr double kStandardGravity = 9.8066;  // [m/s^2]
-constexpr double kThrustSmoothing = 0.1;     // half width of the mean over noisy accelerations [s]
-
-// How a signal may be called in a table: one of the stems, and one of the units behind it; any unit, or none,
-// where there is no list. The first pattern that matches a column wins. `sign` turns z down into z up.
-struct Pattern {
-  const char* signal;
-  std::vector<const char*> stems;
-  std::vector<const char*> units;
-  double sign = 1.0;
-};
-
-const std::vector<Pattern>& patterns() {
-  static const std::vector<const char*> kAngle = {"rad", "deg"};
-  static const std::vector<const char*> kRate = {"radps", "degps"};
-  static const std::vector<const char*> kSpeed = {"mps"};
-  static const std::vector<const char*> kForce = {"mps2"};
-  static const std::vector<const char*> kLength = {"m"};
-  static const std::vector<Pattern> kList = {
-      {"roll_cmd", {"roll_cmd", "roll_ref", "roll_sp", "roll_des"}, kAngle},
-      {"pitch_cmd", {"pitch_cmd", "pitch_ref", "pitch_sp", "pitch_des"}, kAngle},
-      {"yaw_rate_cmd", {"yaw_rate_cmd", "yawrate_cmd", "yaw_rate_ref", "yaw_rate_sp", "yaw_rate_des"}, kRate},
-      {"thrust_cmd",
-       {"thrust_cmd", "thrust_ref", "thrust_sp", "thrust_out", "throttle_cmd", "throttle_ref", "throttle_sp",
-        "throttle_out"},
-       {}},
-      {"roll", {"roll", "roll_vicon", "roll_imu", "roll_est"}, kAngle},
-      {"pitch", {"pitch", "pitch_vicon", "pitch_imu", "pitch_est"}, kAngle},
-      {"yaw", {"yaw", "yaw_vicon", "yaw_imu", "yaw_est", "heading"}, kAngle},
-      {"yaw_rate", {"wz", "gz", "yaw_rate", "yawrate"}, kRate},
-      {"specific_force_z", {"az"}, kForce},
-      {"vx", {"vx"}, kSpeed},
-      {"vy", {"vy"}, kSpeed},
-      {"vz", {"vz"}, kSpeed},
-      {"vz", {"vd"}, kSpeed, -1.0},
-      {"vn", {"vn"}, kSpeed},
-      {"ve", {"ve"}, kSpeed},
-      {"airspeed", {"tas", "ias", "airspeed"}, kSpeed},
-      {"gyro_x", {"wx", "gx", "roll_rate", "rollrate"}, kRate},
-      {"gyro_y", {"wy", "gy", "pitch_rate", "pitchrate"}, kRate},
-      {"gyro_z", {"wz", "gz"}, kRate},
-      {"specific_force_x", {"ax"}, kForce},
-      {"specific_force_y", {"ay"}, kForce},
-      {"height", {"height", "z", "alt"}, kLength},
-      {"height", {"down"}, kLength, -1.0},
-  };
-  return kList;
-}
-
-bool matches(const Pattern& pattern, const std::string& column) {
-  for (const std::string stem : pattern.stems) {
-    if (column == stem) return pattern.units.empty();
-    if (column.compare(0, stem.size() + 1, stem + "_") != 0) continue;
-    if (pattern.units.empty()) return true;
-    const std::string unit = column.substr(stem.size() + 1);
-    if (std::find(pattern.units.begin(), pattern.units.end(), unit) != pattern.units.end()) return true;
-  }
-  return false;
-}
-
-double unitOf(const std::string& column) {
-  return endsWith(column, "_deg") || endsWith(column, "_degps") ? kRadiansPerDegree : 1.0;
-}
-
-bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
-
-// The columns of a table with their times. Commands with times of their own are logged as they came; held onto
-// other rows they repeat.
-class CsvColumns {
- public:
-  CsvColumns(const CsvLog& log, const std::map<std::string, std::string>& choice)
-      : log_(log), times_(timesOf(log, choice)), command_times_(commandTimesOf(log, choice)) {}
-
-  TimeSeries series(const std::string& signal, const std::string& column, double sign) const;
-  std::vector<std::string> remarks() const;
-
- private:
-  const CsvLog& log_;
-  CsvTimes times_;
-  CsvTimes command_times_;
-};
-
-TimeSeries CsvColumns::series(const std::string& signal, const std::string& column, double sign) const {
-  const bool own_time = isCommand(signal) && !command_times_.seconds.empty();
-  const std::vector<double>& times = (own_time ? command_times_ : times_).seconds;
-  const std::vector<double>& values = log_.column(column);
-  TimeSeries series;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    if (own_time && !series.time.empty() && times[i] == series.time.back()) continue;
-    series.time.push_back(times[i]);
-    series.value.push_back(sign * unitOf(column) * values[i]);
-  }
-  return series;
-}
-
-std::vector<std::string> CsvColumns::remarks() const {
-  std::vector<std::string> remarks;
-  if (log_.decimal_comma) remarks.emplace_back("its numbers have a decimal comma");
-  if (log_.unreadable > 0)
-    remarks.push_back(std::to_string(log_.unreadable) + " fields are neither a number nor empty");
-  if (log_.cut_rows > 0)
-    remarks.push_back(std::to_string(log_.cut_rows) + " rows have too few fields and were left out");
-  return remarks;
-}
-
-std::string findColumn(const CsvLog& log, const Pattern& pattern) {
-  const auto found = std::find_if(log.names.begin(), log.names.end(),
-                                  [&pattern](const std::string& name) { return matches(pattern, name); });
-  return found == log.names.end() ? std::string() : *found;
-}
+constexpr const char* kLoops[] = {"roll", "pitch", "yaw_rate", "thrust"};
+constexpr double kThrustSmoothing = 0.1;  // half width of the mean over noisy accelerations [s]
 
 // Acceleration along the body's z without gravity's, from what the vehicle did vertically.
 TimeSeries thrustFromVelocity(const FlightSignals& signals, CleaningCounts* counts) {
@@ -168,6 +58,13 @@ const TimeSeries& FlightSignals::at(const std::string& name) const {
               (known.empty() ? "" : "; the log has " + known));
 }
 
+double angleOf(double w, double x, double y, double z, const std::string& angle) {
+  if (angle == "roll") return std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
+  if (angle == "pitch") return std::asin(std::fmax(-1.0, std::fmin(1.0, 2.0 * (w * y - z * x)))) + 0.0 * w;
+  if (angle == "yaw") return std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 TimeWindow spanOf(const FlightSignals& flight) {
   TimeWindow span = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const auto& [name, series] : flight.series) {
@@ -190,18 +87,6 @@ void append(FlightSignals piece, FlightSignals* recording) {
   }
   recording->lossy = recording->lossy || piece.lossy;
   recording->not_flight.insert(recording->not_flight.end(), piece.not_flight.begin(), piece.not_flight.end());
-}
-
-const std::vector<std::string>& signalNames() {
-  static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> list;
-    for (const Pattern& pattern : patterns()) {
-      if (std::find(list.begin(), list.end(), pattern.signal) == list.end())
-        list.emplace_back(pattern.signal);
-    }
-    return list;
-  }();
-  return kNames;
 }
 
 double ChosenPlace::factor() const { return sign * (in_degrees ? kRadiansPerDegree : 1.0); }
@@ -247,47 +132,28 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals) {
   return remarks;
 }
 
-FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice) {
-  FlightSignals signals;
-  signals.source = log.path;
-  const CsvColumns columns(log, choice);
-  signals.remarks = columns.remarks();
-  signals.places = log.names;
-  for (const auto& [signal, column] : choice) {
-    if (signal == "time" || signal == "cmd_time") continue;
-    const ChosenPlace chosen = chosenPlace(signal, column);
-    // What the name of the column says of its unit, the choice says again.
-    const double named = chosen.in_degrees ? unitOf(chosen.place) : 1.0;
-    signals.series[signal] = columns.series(signal, chosen.place, chosen.factor() / named);
-    signals.origin[signal] = column;
-  }
-  for (const Pattern& pattern : patterns()) {
-    if (signals.has(pattern.signal)) continue;
-    const std::string column = findColumn(log, pattern);
-    if (column.empty()) continue;
-    signals.series[pattern.signal] = columns.series(pattern.signal, column, pattern.sign);
-    signals.origin[pattern.signal] = column;
-  }
-  return signals;
+bool isAuxiliary(const std::string& name) { return name.compare(0, 5, "gyro_") == 0 || name == "height"; }
+
+namespace {
+
+// What the log lacks of a loop; empty: nothing.
+std::string missingFor(const FlightSignals& signals, const std::string& axis) {
+  std::string missing = signals.has(axis + "_cmd") ? "" : axis + "_cmd";
+  const bool vertical = signals.has("vz") && signals.has("roll") && signals.has("pitch");
+  const bool thrust = axis == "thrust";
+  if (thrust ? signals.has("specific_force_z") || vertical : signals.has(axis)) return missing;
+  return missing + (missing.empty() ? "" : " and no ") +
+         (thrust ? "specific_force_z, nor vz with roll and pitch" : axis);
 }
 
-bool isAuxiliary(const std::string& name) {
-  return name.compare(0, 5, "gyro_") == 0 || name == "specific_force_x" || name == "specific_force_y" ||
-         name == "height";
-}
+}  // namespace
 
 std::vector<std::string> missingAxes(const FlightSignals& signals) {
-  const std::vector<std::string> found = recordedAxes(signals);
   std::vector<std::string> sentences;
-  for (const std::string axis : {"roll", "pitch", "yaw_rate", "thrust"}) {
-    if (std::find(found.begin(), found.end(), axis) != found.end()) continue;
-    std::string missing = signals.has(axis + "_cmd") ? "" : axis + "_cmd";
-    const bool vertical = signals.has("vz") && signals.has("roll") && signals.has("pitch");
-    const bool answered = axis == "thrust" ? signals.has("specific_force_z") || vertical : signals.has(axis);
-    if (!answered)
-      missing += (missing.empty() ? "" : " and no ") +
-                 (axis == "thrust" ? "specific_force_z, nor vz with roll and pitch" : axis);
-    sentences.push_back(axis + " is not identified: the log has no " + missing);
+  for (const char* axis : kLoops) {
+    const std::string missing = missingFor(signals, axis);
+    if (!missing.empty())
+      sentences.push_back(std::string(axis) + " is not identified: the log has no " + missing);
   }
   const std::string known = listOfPlaces(signals);
   if (!sentences.empty() && !known.empty())
@@ -297,11 +163,9 @@ std::vector<std::string> missingAxes(const FlightSignals& signals) {
 
 std::vector<std::string> recordedAxes(const FlightSignals& signals) {
   std::vector<std::string> axes;
-  for (const char* axis : {"roll", "pitch", "yaw_rate"}) {
-    if (signals.has(axis) && signals.has(std::string(axis) + "_cmd")) axes.emplace_back(axis);
+  for (const char* axis : kLoops) {
+    if (missingFor(signals, axis).empty()) axes.emplace_back(axis);
   }
-  const bool vertical = signals.has("vz") && signals.has("roll") && signals.has("pitch");
-  if (signals.has("thrust_cmd") && (signals.has("specific_force_z") || vertical)) axes.emplace_back("thrust");
   return axes;
 }
 

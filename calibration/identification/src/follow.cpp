@@ -6,19 +6,15 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 
 namespace polyfly {
 namespace {
 
-// Length of the cells in which energies are summed, and cells of a stretch that is judged.
-constexpr double kCell = 0.5;  // [s]
+// Length of the cells in which energies are summed [s], and cells of a stretch that is judged, and of a short one.
+constexpr double kCell = 0.5;
 constexpr std::size_t kJudgedCells = 4;
-// Cells of a short stretch.
 constexpr std::size_t kPairCells = 2;
-// Parts of the windows that a model is fitted to: most of them, and least length [s].
-constexpr double kMostParts = 10.0;
-constexpr double kLeastPart = 6.0;
 // Ratio of residual to response that counts as explained, and above which the response does not follow.
 constexpr double kExplained = 0.5;
 constexpr double kUnexplained = 0.75;
@@ -26,80 +22,61 @@ constexpr double kUnexplained = 0.75;
 // is explained by less than half.
 constexpr double kAway = 2.5;
 constexpr double kFarAway = 5.0;
-// Keeps the ratio finite where the response rests at its level.
-constexpr double kTiny = 1e-12;
 constexpr int kRounds = 4;
 // Evaluations of each search: the model that judges need not be the best.
 constexpr int kRoughSearch = 100;
 
-// Energy of response and residual within a cell.
+// Energy of response and residual within a stretch of time.
 struct Cell {
-  double from = 0.0;  ///< [s]
-  double to = 0.0;    ///< [s]
+  TimeWindow window;
   double response = 0.0;
   double residual = 0.0;
   double samples = 0.0;
-};
 
-// Response without a model: level around which it moves.
-double levelOf(const std::vector<LoopSegment>& segments) {
-  std::vector<double> all;
-  for (const LoopSegment& segment : segments)
-    all.insert(all.end(), segment.response.begin(), segment.response.end());
-  return quantileOf(std::move(all));
-}
+  // Residual, root mean square, and as a share of the response.
+  double missed() const { return std::sqrt(residual / std::max(1.0, samples)); }
+  double ratio() const { return residual > 0.0 ? std::sqrt(residual / response) : 0.0; }
+};
 
 // Cells of each segment.
 using Cells = std::vector<std::vector<Cell>>;
 
+// The response without a model is the level around which it moves.
 Cells cellsOf(const LoopFit& fit, const std::vector<LoopSegment>& segments, double level) {
   const std::vector<std::vector<double>> prediction = predictLoop(fit, segments).prediction;
   Cells cells(segments.size());
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const LoopSegment& segment = segments[s];
-    const auto count = std::max(1.0, std::floor(segment.duration() / kCell));
+    const double count = std::max(1.0, std::floor(segment.duration() / kCell));
     const double length = segment.duration() / count;
-    cells[s].resize(static_cast<std::size_t>(count));
-    for (std::size_t i = 0; i < cells[s].size(); ++i) {
-      cells[s][i].from = segment.time.front() + length * static_cast<double>(i);
-      cells[s][i].to = cells[s][i].from + length;
+    for (double i = 0.0; i < count; ++i) {
+      const double from = segment.time.front() + length * i;
+      cells[s].push_back({{from, from + length}});
     }
     for (std::size_t i = 0; i < segment.time.size(); ++i) {
-      const double place = length > 0.0 ? (segment.time[i] - segment.time.front()) / length : 0.0;
-      Cell& cell = cells[s][std::min(cells[s].size() - 1, static_cast<std::size_t>(place))];
-      const double away = segment.response[i] - level;
-      const double missed = segment.response[i] - prediction[s][i];
-      cell.response += away * away;
-      cell.residual += missed * missed;
+      const auto place = static_cast<std::size_t>((segment.time[i] - segment.time.front()) / length);
+      Cell& cell = cells[s][std::min(cells[s].size() - 1, place)];
+      cell.response += std::pow(segment.response[i] - level, 2);
+      cell.residual += std::pow(segment.response[i] - prediction[s][i], 2);
       cell.samples += 1.0;
     }
   }
   return cells;
 }
 
-// Sum of neighbouring cells, first one `at`.
-Cell stretchAt(const std::vector<Cell>& cells, std::size_t at, std::size_t count = kJudgedCells) {
-  Cell sum = cells[at];
-  for (std::size_t i = at + 1; i < std::min(cells.size(), at + count); ++i) {
-    sum.to = cells[i].to;
-    sum.response += cells[i].response;
-    sum.residual += cells[i].residual;
-    sum.samples += cells[i].samples;
+// The stretches of so many cells, by their first ones. A part that is shorter is one stretch.
+std::vector<Cell> stretchesOf(const std::vector<Cell>& cells, std::size_t length) {
+  std::vector<Cell> stretches;
+  for (std::size_t first = 0; first == 0 || first + length <= cells.size(); ++first) {
+    Cell sum = cells[first];
+    for (std::size_t i = first + 1; i < std::min(cells.size(), first + length); ++i) {
+      sum.response += cells[i].response;
+      sum.residual += cells[i].residual;
+      sum.samples += cells[i].samples;
+    }
+    stretches.push_back(sum);
   }
-  return sum;
-}
-
-std::size_t stretchCount(const std::vector<Cell>& cells) {
-  return cells.size() < kJudgedCells ? 1 : cells.size() - kJudgedCells + 1;
-}
-
-// Energy that a model explains, cell by cell: what it misses elsewhere does not count against it.
-double explainedBy(const LoopFit& fit, const std::vector<LoopSegment>& segments, double level) {
-  double sum = 0.0;
-  for (const std::vector<Cell>& part : cellsOf(fit, segments, level)) {
-    for (const Cell& cell : part) sum += std::max(0.0, cell.response - cell.residual);
-  }
-  return sum;
+  return stretches;
 }
 
 std::optional<LoopFit> tryFit(const LoopRecord& record, const std::vector<TimeWindow>& windows,
@@ -113,120 +90,57 @@ std::optional<LoopFit> tryFit(const LoopRecord& record, const std::vector<TimeWi
   }
 }
 
-std::vector<TimeWindow> partsOf(const std::vector<TimeWindow>& windows) {
-  double whole = 0.0;
-  for (const TimeWindow& window : windows) whole += window.to - window.from;
-  const double length = std::max(kLeastPart, whole / kMostParts);
-  std::vector<TimeWindow> parts;
-  for (const TimeWindow& window : windows) {
-    const double count = std::max(1.0, std::round((window.to - window.from) / length));
-    for (double i = 0.0; i < count; ++i) {
-      parts.push_back({window.from + (window.to - window.from) * i / count,
-                       window.from + (window.to - window.from) * (i + 1.0) / count});
-    }
-  }
-  return parts;
-}
-
-// The model that most of the windows agree on.
-std::optional<LoopFit> agreedModel(const LoopRecord& record, const std::vector<TimeWindow>& windows,
-                                   const std::vector<LoopSegment>& segments, const FitOptions& options,
-                                   double level) {
-  std::optional<LoopFit> best = tryFit(record, windows, options);
-  if (!best) return best;
-  double most = explainedBy(*best, segments, level);
-  for (const TimeWindow& part : partsOf(windows)) {
-    std::optional<LoopFit> fit = tryFit(record, {part}, options);
-    const double explained = fit ? explainedBy(*fit, segments, level) : 0.0;
-    if (explained <= most) continue;
-    most = explained;
-    best = std::move(fit);
-  }
-  return best;
-}
-
-// Residual (root mean square) of the stretches that the model explains by half, the middle one; none if there is none.
+// Residual of the stretches that the model explains by half, the middle one; none if there is none.
 std::optional<double> usualResidual(const Cells& cells) {
   std::vector<double> residuals;
   for (const std::vector<Cell>& part : cells) {
-    for (std::size_t i = 0; i < stretchCount(part); ++i) {
-      const Cell sum = stretchAt(part, i);
-      if (sum.samples > 0.0 && sum.residual < kExplained * kExplained * sum.response)
-        residuals.push_back(std::sqrt(sum.residual / sum.samples));
+    for (const Cell& stretch : stretchesOf(part, kJudgedCells)) {
+      if (stretch.samples > 0.0 && stretch.response > 0.0 && stretch.ratio() < kExplained)
+        residuals.push_back(stretch.missed());
     }
   }
   if (residuals.empty()) return std::nullopt;
   return quantileOf(std::move(residuals));
 }
 
-double ratioOf(const Cell& stretch) {
-  return std::sqrt(stretch.residual / std::max(stretch.response, stretch.residual * kTiny));
-}
-
-double missedBy(const Cell& stretch) { return std::sqrt(stretch.residual / std::max(1.0, stretch.samples)); }
-
-bool missesByFar(const Cell& stretch, double usual) {
-  return ratioOf(stretch) > kExplained && missedBy(stretch) > kFarAway * usual;
-}
-
-bool isStray(const Cell& stretch, double usual) {
-  return missesByFar(stretch, usual) ||
-         (ratioOf(stretch) > kUnexplained && missedBy(stretch) > kAway * usual);
-}
-
-// The cells of stray stretches, and those beside them in which the model misses by as much.
+// The cells of stretches that do not follow, and those beside them in which the model misses by as much.
 std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
   std::vector<bool> stray(cells.size(), false);
-  for (std::size_t i = 0; i < stretchCount(cells); ++i) {
-    if (!isStray(stretchAt(cells, i), usual)) continue;
-    std::fill_n(stray.begin() + static_cast<std::ptrdiff_t>(i), std::min(kJudgedCells, cells.size() - i),
-                true);
-  }
+  const auto misses_by_far = [usual](const Cell& one) {
+    return one.ratio() > kExplained && one.missed() > kFarAway * usual;
+  };
   // Short stretches must miss by far.
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool at_end = i == 0 || i + 1 == cells.size();
-    if (at_end && missesByFar(cells[i], usual)) stray[i] = true;
-    if (i > 0 && missesByFar(stretchAt(cells, i - 1, kPairCells), usual)) stray[i - 1] = stray[i] = true;
+  for (const std::size_t length : {kJudgedCells, kPairCells}) {
+    const std::vector<Cell> stretches = stretchesOf(cells, length);
+    for (std::size_t i = 0; i < stretches.size(); ++i) {
+      const Cell& one = stretches[i];
+      const bool strays = misses_by_far(one) || (length == kJudgedCells && one.ratio() > kUnexplained &&
+                                                 one.missed() > kAway * usual);
+      for (std::size_t k = i; k < std::min(cells.size(), i + length); ++k) stray[k] = stray[k] || strays;
+    }
   }
-  const auto misses = [&](std::size_t i) { return missedBy(cells[i]) > kAway * usual; };
-  for (std::size_t i = 1; i < cells.size(); ++i) {
-    if (stray[i - 1] && misses(i)) stray[i] = true;
-  }
-  for (std::size_t i = cells.size() - 1; i > 0; --i) {
-    if (stray[i] && misses(i - 1)) stray[i - 1] = true;
-  }
+  stray.front() = stray.front() || misses_by_far(cells.front());
+  stray.back() = stray.back() || misses_by_far(cells.back());
+  const auto misses = [&](std::size_t i) { return cells[i].missed() > kAway * usual; };
+  for (std::size_t i = 1; i < cells.size(); ++i) stray[i] = stray[i] || (stray[i - 1] && misses(i));
+  for (std::size_t i = cells.size() - 1; i > 0; --i)
+    stray[i - 1] = stray[i - 1] || (stray[i] && misses(i - 1));
   return stray;
 }
 
-std::vector<RejectedWindow> strays(const Cells& cells, double usual) {
-  std::vector<RejectedWindow> found;
+// What is left of the windows without these cells, as far as it is long enough to be used.
+std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, const Cells& cells, double usual) {
+  std::vector<RejectedWindow> strays;
   for (const std::vector<Cell>& part : cells) {
     const std::vector<bool> stray = strayCells(part, usual);
     for (std::size_t i = 0; i < part.size(); ++i) {
-      if (!stray[i]) continue;
-      if (i > 0 && stray[i - 1]) {
-        found.back().window.to = part[i].to;
-      } else {
-        found.push_back({{part[i].from, part[i].to}, kDoesNotFollow});
-      }
+      if (stray[i]) strays.push_back({part[i].window, ""});
     }
   }
-  return found;
-}
-
-// What is left of a window must be long enough to be used.
-std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows,
-                               std::vector<RejectedWindow>* rejected) {
-  std::vector<TimeWindow> kept;
-  for (const TimeWindow& window : windowsWithout(windows, *rejected)) {
-    if (window.to - window.from >= kLeastWindow) kept.push_back(window);
-  }
-  std::vector<RejectedWindow> others;
-  for (const TimeWindow& window : kept) others.push_back({window, ""});
-  // Too short pieces go with what they lie beside.
-  std::vector<RejectedWindow> all;
-  for (const TimeWindow& window : windowsWithout(windows, others)) all.push_back({window, kDoesNotFollow});
-  *rejected = std::move(all);
+  std::vector<TimeWindow> kept = windowsWithout(windows, strays);
+  kept.erase(std::remove_if(kept.begin(), kept.end(),
+                            [](const TimeWindow& window) { return window.to - window.from < kLeastWindow; }),
+             kept.end());
   return kept;
 }
 
@@ -234,35 +148,35 @@ std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows,
 
 void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, ExcitationChoice* choice) {
   FitOptions options = fit;
-  options.global_evaluations = kRoughSearch;
-  options.local_evaluations = kRoughSearch;
+  options.global_evaluations = options.local_evaluations = kRoughSearch;
   options.order = LoopOrder::kFirst;
   options.with_delay = true;
   const std::vector<LoopSegment> segments = cutSegments(record, choice->windows, options.delay_greatest);
   if (segments.empty()) return;
-  const double level = levelOf(segments);
-  std::optional<LoopFit> model = agreedModel(record, choice->windows, segments, options, level);
-  std::vector<RejectedWindow> rejected;
+  std::vector<double> responses;
+  for (const LoopSegment& segment : segments)
+    responses.insert(responses.end(), segment.response.begin(), segment.response.end());
+  const double level = quantileOf(std::move(responses));
+  std::optional<LoopFit> model = tryFit(record, choice->windows, options);
   std::vector<TimeWindow> kept = choice->windows;
   for (int round = 0; round < kRounds && model; ++round) {
     const Cells cells = cellsOf(*model, segments, level);
     const std::optional<double> usual = usualResidual(cells);
     if (!usual) return;
-    std::vector<RejectedWindow> found = strays(cells, *usual);
-    std::vector<TimeWindow> left = keptOf(choice->windows, &found);
+    std::vector<TimeWindow> left = keptOf(choice->windows, cells, *usual);
     if (left.empty()) return;
     const bool same =
-        found.size() == rejected.size() &&
-        std::equal(found.begin(), found.end(), rejected.begin(), [](const auto& a, const auto& b) {
-          return a.window.from == b.window.from && a.window.to == b.window.to;
-        });
-    rejected = std::move(found);
+        std::equal(left.begin(), left.end(), kept.begin(), kept.end(),
+                   [](const TimeWindow& a, const TimeWindow& b) { return a.from == b.from && a.to == b.to; });
     kept = std::move(left);
     if (same) break;
     model = tryFit(record, kept, options);
   }
+  std::vector<RejectedWindow> used;
+  for (const TimeWindow& window : kept) used.push_back({window, ""});
+  for (const TimeWindow& window : windowsWithout(choice->windows, used))
+    choice->rejected.push_back({window, kDoesNotFollow});
   choice->windows = kept;
-  choice->rejected.insert(choice->rejected.end(), rejected.begin(), rejected.end());
 }
 
 }  // namespace polyfly

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 
 namespace polyfly {
 namespace {

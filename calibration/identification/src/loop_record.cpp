@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
-#include "quantile.hpp"
+#include "polyfly_base/quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -211,6 +211,15 @@ TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {
     }
   }
   return clean;
+}
+
+double interpolated(const TimeSeries& series, double time) {
+  const auto after = std::upper_bound(series.time.begin(), series.time.end(), time);
+  if (after == series.time.begin()) return series.value.front();
+  if (after == series.time.end()) return series.value.back();
+  const auto i = static_cast<std::size_t>(after - series.time.begin());
+  const double share = (time - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
+  return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
 }
 
 double typicalPeriod(const TimeSeries& series, double longest) {

@@ -89,7 +89,6 @@ LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>&
   result.parameters = {*with_delay.find("gain"), sum, *with_delay.find("offset")};
   LoopPrediction prediction = predictLoop(result, segments);
   result.fit_percent = prediction.fit_percent;
-  result.residual_rms = prediction.residual_rms;
   result.prediction = std::move(prediction.prediction);
   return result;
 }

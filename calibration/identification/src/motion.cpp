@@ -1,18 +1,56 @@
 #include "identification/motion.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "attitude_signals.hpp"
 #include "identification/excitation.hpp"
 #include "identification/flight_phases.hpp"
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kLeastStretch = 1.0;  // [s]
+
+// The samples of a signal that can be used, see cleaned. Throws Error naming source and signal if there are none.
+TimeSeries usableSignal(const FlightSignals& signals, const std::string& name) {
+  TimeSeries series = cleaned(signals.at(name));
+  if (series.time.empty()) throw Error(signals.source + ": " + name + ": no sample");
+  return series;
+}
+
+// Attitude at any time. Sine and cosine of yaw are interpolated, because the angle itself may wrap.
+class AttitudeSignals {
+ public:
+  // From roll, pitch, yaw. Throws Error where one is missing.
+  explicit AttitudeSignals(const FlightSignals& signals)
+      : roll_(usableSignal(signals, "roll")),
+        pitch_(usableSignal(signals, "pitch")),
+        yaw_sine_(usableSignal(signals, "yaw")),
+        yaw_cosine_(yaw_sine_) {
+    for (double& value : yaw_sine_.value) value = std::sin(value);
+    for (double& value : yaw_cosine_.value) value = std::cos(value);
+  }
+
+  double yaw(double time) const {
+    return std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
+  }
+
+  // The body's z axis in W.
+  Eigen::Vector3d up(double time) const {
+    return Eigen::AngleAxisd(yaw(time), Eigen::Vector3d::UnitZ()) *
+           (Eigen::AngleAxisd(interpolated(pitch_, time), Eigen::Vector3d::UnitY()) *
+            (Eigen::AngleAxisd(interpolated(roll_, time), Eigen::Vector3d::UnitX()) *
+             Eigen::Vector3d::UnitZ()));
+  }
+
+ private:
+  TimeSeries roll_;
+  TimeSeries pitch_;
+  TimeSeries yaw_sine_;
+  TimeSeries yaw_cosine_;
+};
 
 std::vector<double> smoothed(const std::vector<double>& time, const std::vector<double>& value,
                              double half_width) {

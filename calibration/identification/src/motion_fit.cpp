@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <utility>
 
+#include "fit_uncertainty.hpp"
 #include "identification/motion.hpp"
 #include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
-#include "regression.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {

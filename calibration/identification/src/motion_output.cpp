@@ -1,67 +1,174 @@
 #include "identification/motion_output.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
+#include <utility>
 
-#include "identification/yaml_text.hpp"
+#include "report/figures.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
-void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
-  out << "share: " << yamlNumber(calibration.limits.share)
-      << "  # of the time within the bounds\nconfidence: " << yamlNumber(calibration.limits.confidence)
-      << "  # asked for\ndisturbances:  # as problem and model files take them\n";
-  for (const DisturbanceBound& bound : calibration.bounds) {
-    out << "  - {name: d_" << bound.axis << ", unit: m/s^2, range: [" << yamlNumber(bound.least) << ", "
-        << yamlNumber(bound.greatest) << "]}\n";
+using Fault = ReportColumn::Rule;
+
+// Half width from which on the data say nothing, for any quantity here.
+constexpr double kNoInterval = 1e4;
+
+Json json(const DisturbanceBound& bound) {
+  return {{"mean", bound.mean},
+          {"deviation", bound.deviation},
+          {"supported", bound.supported},
+          {"confidence", bound.confidence},
+          {"independent_samples", bound.independent_samples},
+          {"warnings", bound.warnings}};
+}
+
+Json json(const FittedParameter& parameter) {
+  return {{"value", parameter.value},
+          {"unit", parameter.unit},
+          {"standard_error", parameter.standard_error},
+          {"interval_95", {parameter.least(), parameter.greatest()}},
+          {"supported", parameter.supported}};
+}
+
+// A curve over time with a gap between stretches.
+Series curve(const MotionTrace& trace, const std::vector<double>& value, const std::string& label,
+             const std::string& color) {
+  Series series;
+  series.label = label;
+  series.color = color;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (std::find(trace.starts.begin(), trace.starts.end(), i) != trace.starts.end()) {
+      series.x.push_back(trace.time[i]);
+      series.y.push_back(kNothing);
+    }
+    series.x.push_back(trace.time[i]);
+    series.y.push_back(value[i]);
   }
-  out << "axes:\n";
-  for (const DisturbanceBound& bound : calibration.bounds) {
-    out << "  " << bound.axis << ":\n    mean: " << yamlNumber(bound.mean)
-        << "\n    deviation: " << yamlNumber(bound.deviation)
-        << "\n    supported: " << (bound.supported ? "true" : "false")
-        << "\n    confidence: " << yamlNumber(bound.confidence)
-        << "  # reached\n    independent_samples: " << yamlNumber(bound.independent_samples) << "\n";
-    writeSentences("warnings", "    ", bound.warnings, out);
+  return thinned(series, 2 * kCurvePoints);
+}
+
+// What was used of the flight: the whole record of velocities, with the stretches shaded.
+ReportSection selectionFigure(const MotionCalibration& calibration) {
+  Panel panel = timePanel("", "velocity [m/s]");
+  const MotionTrace& trace = calibration.fit.traces.front();
+  for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
+    if (trace.starts[i + 1] > trace.starts[i])
+      panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
   }
+  for (const auto& [name, velocity] : calibration.record) {
+    Series series;
+    series.x = velocity.time;
+    series.y = velocity.value;
+    series.label = name;
+    series.color = kAxisColors[panel.series.size() % 3];
+    panel.series.push_back(thinned(withGaps(series), kCurvePoints));
+  }
+  std::vector<Panel> panels = {panel};
+  if (!trace.time.empty()) countFrom(trace.time.front(), &panels);
+  return pictured(
+      "What was used",
+      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.",
+      panels, row_height::kAlone);
+}
+
+ReportSection timeFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
+  Panel panel = timePanel("", withUnit("measured, modelled", trace.unit));
+  Series measured = curve(trace, trace.measured, "measured", kMeasuredColor);
+  measured.width = 3.0;
+  panel.series = {measured, curve(trace, trace.modelled, "modelled", palette::kBlue)};
+  Panel left = timePanel("", withUnit("measured − modelled", trace.unit));
+  std::vector<double> residual = trace.measured;
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= trace.modelled[i];
+  left.series = {curve(trace, residual, "", palette::kBlue)};
+  if (bound != nullptr) left.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
+  std::vector<Panel> panels = {panel, left};
+  if (!trace.time.empty()) countFrom(trace.time.front(), &panels);
+  return pictured(
+      trace.name + ": measured and modelled",
+      bound != nullptr
+          ? "Above, what was measured and what thrust, attitude, gravity and drag explain; below, "
+            "what is left, which is the disturbance, with its bounds."
+          : "On the data that the model was made from; below, what it leaves.",
+      panels, row_height::kPaired);
+}
+
+// The objects of a map as a list, each with its key as `name`.
+Json listed(const Json& map) {
+  Json rows = Json::array();
+  for (const auto& [name, object] : map.items()) {
+    rows.push_back(object);
+    rows.back()["name"] = name;
+  }
+  return rows;
+}
+
+void addTables(const Json& json, std::vector<ReportSection>* sections) {
+  if (json.contains("disturbances")) {
+    Json rows = listed(json["axes"]);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i]["range"] = json["disturbances"][i]["range"];
+    sections->push_back({"disturbance: bounds",
+                         {wordsOn(json["share"]) + " of the time within, asked for with a confidence of " +
+                          wordsOn(json["confidence"]) + "; all in m/s²."},
+                         {},
+                         tableOf(rows, {{"axis", "/name"},
+                                        {"bound", "/range"},
+                                        {"confidence reached", "/confidence"},
+                                        {"independent samples", "/independent_samples"},
+                                        {"mean", "/mean"},
+                                        {"deviation", "/deviation"},
+                                        {"supported", "/supported", Fault::kTrue}}),
+                         {}});
+  }
+  if (json.contains("parameters"))
+    sections->push_back({wordsOn(json["kind"]) + ": parameters",
+                         {},
+                         {},
+                         tableOf(listed(json["parameters"]), {{"parameter", "/name"},
+                                                              {"value", "/value"},
+                                                              {"unit", "/unit"},
+                                                              {"95 % interval", "/interval_95"},
+                                                              {"supported", "/supported", Fault::kTrue}}),
+                         {}});
+  if (!json.contains("flights")) return;
+  std::vector<ReportColumn> columns;
+  for (const auto& [name, value] : json["flights"].front().items()) columns.push_back({name, "/" + name});
+  sections->push_back({"What each flight says",
+                       {"The numbers above are the means of these flights."},
+                       {},
+                       tableOf(json["flights"], columns),
+                       {}});
 }
 
 }  // namespace
 
-std::string toYaml(const MotionCalibration& calibration) {
-  std::ostringstream out;
-  out << "polyfly_calibration: 1\nkind: " << calibration.kind
-      << "\ntool_version: " << yamlString(kIdentificationVersion) << "\ndata:";
-  const bool several = calibration.data.size() > 1;
-  for (const Provenance& flight : calibration.data)
-    out << (several ? "\n  - " : " ") << provenanceMap(flight);
-  out << "\n" << vehicleLine(calibration.vehicle) << "windows:";
-  for (const std::vector<TimeWindow>& windows : calibration.windows) {
-    out << (several ? "\n  - " : " ");
-    out << windowList(windows);
-    out << "  # [s] in the file's own time; empty: all of it";
+Json jsonOf(const MotionCalibration& calibration) {
+  Json out = calibrationHead(calibration.kind, jsonOf(calibration.data), calibration.vehicle);
+  Json windows = Json::array();
+  for (const std::vector<TimeWindow>& flight : calibration.windows) windows.push_back(jsonOf(flight));
+  out["windows"] = windows.size() == 1 ? windows.front() : windows;
+  out["remarks"] = calibration.remarks;
+  if (!calibration.bounds.empty()) {
+    out["share"] = calibration.limits.share;
+    out["confidence"] = calibration.limits.confidence;
+    for (const DisturbanceBound& bound : calibration.bounds) {
+      out["disturbances"].push_back(
+          {{"name", "d_" + bound.axis}, {"unit", "m/s^2"}, {"range", {bound.least, bound.greatest}}});
+      out["axes"][bound.axis] = json(bound);
+    }
   }
-  out << "\n";
-  writeSentences("remarks", "", calibration.remarks, out);
-  if (!calibration.bounds.empty()) writeBounds(calibration, out);
-  if (!calibration.fit.parameters.empty()) out << "parameters:\n";
-  for (const FittedParameter& parameter : calibration.fit.parameters) {
-    out << "  " << parameter.name << ": {value: " << yamlNumber(parameter.value)
-        << ", unit: " << yamlString(parameter.unit)
-        << ", standard_error: " << yamlNumber(parameter.standard_error) << ", interval_95: ["
-        << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest())
-        << "], supported: " << (parameter.supported ? "true" : "false") << "}\n";
-  }
-  if (!calibration.fit.flights.empty()) out << "flights:  # values of each flight\n";
+  for (const FittedParameter& parameter : calibration.fit.parameters)
+    out["parameters"][parameter.name] = json(parameter);
   for (std::size_t i = 0; i < calibration.fit.flights.size(); ++i) {
-    out << "  - {file: " << yamlString(calibration.data[i].file);
+    Json flight = {{"file", calibration.data[i].file}};
     for (const FittedParameter& parameter : calibration.fit.flights[i])
-      out << ", " << parameter.name << ": " << yamlNumber(parameter.value);
-    out << "}\n";
+      flight[parameter.name] = parameter.value;
+    out["flights"].push_back(flight);
   }
-  writeSentences("warnings", "", calibration.fit.warnings, out);
-  return out.str();
+  out["warnings"] = calibration.fit.warnings;
+  return out;
 }
 
 std::string toText(const MotionCalibration& calibration) {
@@ -75,12 +182,30 @@ std::string toText(const MotionCalibration& calibration) {
     for (const std::string& sentence : bound.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const FittedParameter& parameter : calibration.fit.parameters) {
-    out << sentence("%-16s %s %s\n", parameter.name.c_str(),
-                    valueText(parameter.value, parameter.half_width).c_str(),
-                    parameter.unit == "1" ? "" : parameter.unit.c_str());
+    out << sentence("%-16s %.5g ", parameter.name.c_str(), parameter.value)
+        << (std::abs(parameter.half_width) < kNoInterval ? sentence("+- %.2g", parameter.half_width)
+                                                         : "(no interval: the data do not bound it)")
+        << (parameter.unit == "1" ? " " : " " + parameter.unit) << "\n";
   }
   for (const std::string& sentence : calibration.fit.warnings) out << "warning: " << sentence << "\n";
   return out.str();
+}
+
+Report reportOn(const MotionCalibration& calibration) {
+  std::vector<std::string> reasons = calibration.remarks;
+  reasons.insert(reasons.end(), calibration.fit.warnings.begin(), calibration.fit.warnings.end());
+  for (const DisturbanceBound& bound : calibration.bounds) {
+    for (const std::string& warning : bound.warnings) reasons.push_back("d_" + bound.axis + ": " + warning);
+  }
+  Report page = calibrationPage(calibration.data, reasons);
+  addTables(jsonOf(calibration), &page.sections);
+  if (calibration.fit.traces.empty()) return page;
+  if (!calibration.record.empty()) page.sections.push_back(selectionFigure(calibration));
+  for (std::size_t i = 0; i < calibration.fit.traces.size(); ++i) {
+    const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
+    page.sections.push_back(timeFigure(calibration.fit.traces[i], bound));
+  }
+  return page;
 }
 
 }  // namespace polyfly

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include "diagnose.hpp"
 #include "polyfly_base/error.hpp"
+#include "report/report.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -14,8 +14,6 @@ namespace {
 
 // Spread of a number between flights above which one model does not describe them, relative to the value.
 constexpr double kGreatSpread = 0.4;
-
-std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 // The mean of one model over flights; residuals and prediction are of no flight and left empty.
 LoopFit meanFit(const std::vector<LoopFit>& flights) {
@@ -71,22 +69,6 @@ ControllerModel meanModel(const std::vector<AxisModel>& flights, std::size_t pla
   return mean;
 }
 
-std::string valuesOf(const std::vector<AxisModel>& flights, const std::string& parameter) {
-  std::string text;
-  for (const AxisModel& flight : flights) {
-    text += (text.empty() ? "" : ", ") + sentence("%.3g", flight.with_delay.find(parameter)->value);
-  }
-  return text;
-}
-
-double spreadOf(const std::vector<AxisModel>& flights, const std::string& parameter) {
-  const auto [least, greatest] =
-      std::minmax_element(flights.begin(), flights.end(), [&](const AxisModel& one, const AxisModel& other) {
-        return one.with_delay.find(parameter)->value < other.with_delay.find(parameter)->value;
-      });
-  return greatest->with_delay.find(parameter)->value - least->with_delay.find(parameter)->value;
-}
-
 std::vector<std::string> warningsOn(const AxisModel& mean) {
   std::vector<std::string> warnings;
   for (const AxisModel& flight : mean.flights) {
@@ -94,8 +76,15 @@ std::vector<std::string> warningsOn(const AxisModel& mean) {
       warnings.push_back(fileName(flight.source) + ": " + warning);
   }
   for (const char* name : {"gain", "tau"}) {
-    if (spreadOf(mean.flights, name) <= kGreatSpread * std::abs(mean.with_delay.find(name)->value)) continue;
-    warnings.push_back(std::string("The flights differ in ") + name + ": " + valuesOf(mean.flights, name) +
+    std::vector<double> values;
+    std::string text;
+    for (const AxisModel& flight : mean.flights) {
+      values.push_back(flight.with_delay.find(name)->value);
+      text += (text.empty() ? "" : ", ") + sentence("%.3g", values.back());
+    }
+    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+    if (*greatest - *least <= kGreatSpread * std::abs(mean.with_delay.find(name)->value)) continue;
+    warnings.push_back(std::string("The flights differ in ") + name + ": " + text +
                        ". Load, battery or wind were not the same, or it is not one vehicle.");
   }
   return warnings;

@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "identification/flight_phases.hpp"
-#include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/quantile.hpp"
 #include "polyfly_base/read_text.hpp"
-#include "quantile.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -125,8 +124,7 @@ void checkForce(FlightSignals* signals, const std::vector<TimeWindow>& left_out,
       middle < 0.0 ? "--signal specific_force_z=-" + placeOf(*signals, "specific_force_z") + " turns its sign"
                    : "give it in m/s^2, with gravity";
   remarks->push_back(text + help);
-  for (const char* name : {"specific_force_x", "specific_force_y", "specific_force_z"})
-    signals->series.erase(name);
+  signals->series.erase("specific_force_z");
 }
 
 }  // namespace

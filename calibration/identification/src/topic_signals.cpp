@@ -31,20 +31,6 @@ Eigen::Quaterniond quaternion(const double* wxyz) {
   return attitude;
 }
 
-double angleOf(const Eigen::Quaterniond& q, FieldUse::Angle angle) {
-  switch (angle) {
-    case FieldUse::Angle::kRoll:
-      return std::atan2(2.0 * (q.w() * q.x() + q.y() * q.z()), 1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y()));
-    case FieldUse::Angle::kPitch:
-      return std::asin(std::fmax(-1.0, std::fmin(1.0, 2.0 * (q.w() * q.y() - q.z() * q.x())))) + 0.0 * q.w();
-    case FieldUse::Angle::kYaw:
-      return std::atan2(2.0 * (q.w() * q.z() + q.x() * q.y()), 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
-    case FieldUse::Angle::kNone:
-      break;
-  }
-  return std::nan("");
-}
-
 }  // namespace
 
 TopicSignals::TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses, bool with_velocity)
@@ -55,7 +41,7 @@ TopicSignals::TopicSignals(const BagConnection& connection, std::vector<FieldUse
   paths_.emplace_back("header.stamp");
   for (const FieldUse& use : uses_) {
     names_.push_back(use.signal);
-    if (use.angle == FieldUse::Angle::kNone) {
+    if (use.angle.empty()) {
       paths_.push_back(use.path);
     } else {
       for (const char* part : kQuaternion) paths_.push_back(use.path + part);
@@ -85,10 +71,11 @@ void TopicSignals::add(const BagMessage& message) {
   std::size_t at = 1;
   std::size_t name = 0;
   for (const FieldUse& use : uses_) {
-    if (use.angle == FieldUse::Angle::kNone) {
+    if (use.angle.empty()) {
       values_[name++].push_back(use.scale * (*numbers)[at++]);
     } else {
-      values_[name++].push_back(use.scale * angleOf(quaternion(numbers->data() + at), use.angle));
+      const Eigen::Quaterniond q = quaternion(numbers->data() + at);
+      values_[name++].push_back(use.scale * angleOf(q.w(), q.x(), q.y(), q.z(), use.angle));
       at += std::size(kQuaternion);
     }
   }

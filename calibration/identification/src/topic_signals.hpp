@@ -6,19 +6,21 @@
 
 #include "bags/message_layout.hpp"
 #include "bags/scan_bag.hpp"
-#include "clock_choice.hpp"
 #include "identification/header_clock.hpp"
 #include "identification/loop_record.hpp"
 
 namespace polyfly {
 
+/// Which times the signals of a flight have.
+enum class SignalClock { kHeaders, kRecorder };
+
 /// A number of a message: a field as it is, or an angle of a quaternion.
 struct FieldUse {
-  enum class Angle { kNone, kRoll, kPitch, kYaw };
   std::string signal;
   /// Path of a number, or of a quaternion if an angle is requested.
   std::string path;
-  Angle angle = Angle::kNone;
+  /// roll, pitch, yaw; empty: the number itself.
+  std::string angle;
   /// Factor from the field's unit to that of the signal.
   double scale = 1.0;
 };

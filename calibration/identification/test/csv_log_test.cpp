@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "identification/calibration_file.hpp"
 #include "identification/flight_signals.hpp"
-#include "identification/provenance.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {

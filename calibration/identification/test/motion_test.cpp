@@ -9,6 +9,7 @@
 #include "identification/motion_output.hpp"
 #include "made_motion.hpp"
 #include "polyfly_base/error.hpp"
+#include "report/yaml.hpp"
 
 namespace polyfly {
 namespace {
@@ -155,8 +156,9 @@ TEST(MotionOutput, HasTheFormOfProblemFiles) {
   bound.least = -0.3;
   bound.greatest = 0.25;
   calibration.bounds = {bound};
-  EXPECT_NE(toYaml(calibration).find("  - {name: d_y, unit: m/s^2, range: [-0.3, 0.25]}\n"),
-            std::string::npos);
+  EXPECT_NE(
+      yamlText(jsonOf(calibration)).find("  - name: \"d_y\"\n    unit: \"m/s^2\"\n    range: [-0.3, 0.25]\n"),
+      std::string::npos);
 }
 
 TEST(Motion, ABoundBeyondGravityIsNotSupported) {

@@ -89,6 +89,9 @@ class LogBuilder {
     status.reason = static_cast<polyfly::ControlReason>(message.reason);
     status.region = {message.longitudinal.region, message.lateral.region, message.vertical.region};
     status.theta = {message.longitudinal.theta, message.lateral.theta, message.vertical.theta};
+    status.input = {message.longitudinal.input, message.lateral.input, message.vertical.input};
+    status.disturbance = {message.longitudinal.disturbance, message.lateral.disturbance,
+                          message.vertical.disturbance};
     status.step_time = 1e-9 * static_cast<double>(message.step_time_ns);
     log_.statuses.push_back(std::move(status));
   }

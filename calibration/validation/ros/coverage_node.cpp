@@ -3,7 +3,6 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "online_controller/laws/axis.hpp"
@@ -12,6 +11,7 @@
 #include "polyfly_base/write_file.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"
+#include "report/report.hpp"
 #include "validation/replay.hpp"
 
 namespace polyfly_ros {
@@ -132,11 +132,11 @@ void CoverageNode::publish() const {
 }
 
 void CoverageNode::writeSummary() const {
-  nlohmann::ordered_json out;
+  polyfly::Json out;
   for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
     const DiagnosticStatus status =
         statusOf(counters_[axis]->use(), *maps_[axis], polyfly::kAxisNames[axis].axis, foreign_[axis]);
-    nlohmann::ordered_json& one = out[polyfly::kAxisNames[axis].axis];
+    polyfly::Json& one = out[polyfly::kAxisNames[axis].axis];
     one["map"] = maps_[axis]->name();
     one["message"] = status.message;
     for (const diagnostic_msgs::KeyValue& pair : status.values) one[pair.key] = pair.value;

@@ -11,7 +11,6 @@
 #include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_base/visible.hpp"
@@ -46,100 +45,74 @@ struct Arguments {
   std::string report;
   std::string explore;
   std::string propose;
-  std::uint64_t propose_limit = 20000;
   std::string topics_bag;
   bool quiet = false;
   bool strict = false;
 };
 
+void declareTopics(CLI::App& app, polyfly_ros::BagTopics& topics) {
+  const std::string group = "Topics (without a leading slash: in the namespace)";
+  const auto add = [&](const char* name, std::string& topic, const char* meaning) {
+    app.add_option(name, topic, meaning)->capture_default_str()->group(group);
+  };
+  add("--namespace", topics.name_space, "Namespace of the vehicle (default: that of the command topic).");
+  add("--odometry", topics.odometry, "Topic of type nav_msgs/Odometry.");
+  add("--trajectory", topics.trajectory, "Topic of type trajectory_msgs/MultiDOFJointTrajectory.");
+  add("--pose", topics.pose, "Topic of type geometry_msgs/PoseStamped.");
+  add("--command", topics.command, "Topic of type mav_msgs/RollPitchYawrateThrust.");
+  add("--status", topics.status, "Topic of type online_controller/ControllerStatus; may be missing.");
+  add("--disturbance", topics.disturbance,
+      "Topic of type geometry_msgs/Vector3Stamped, the true disturbance; may be missing.");
+  add("--parameters", topics.parameters,
+      "Topic of type std_msgs/String, the parameters in force, below any node; may be missing.");
+}
+
+void declareThresholds(CLI::App& app, polyfly::Thresholds& limits) {
+  const auto add = [&](const char* name, auto& limit, const char* meaning, const CLI::Validator& rule) {
+    app.add_option(name, limit, meaning)->check(rule)->capture_default_str()->group("Thresholds");
+  };
+  add("--min-coverage", limits.min_coverage, "Least share of samples inside all maps.",
+      polyfly::numberFrom(0.0, 1.0));
+  add("--max-qp-difference", limits.max_qp_difference,
+      "Greatest difference between map and online QP [rad or m/s^2].", polyfly::numberFrom(0.0));
+  add("--max-command-difference", limits.max_command_difference,
+      "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2].",
+      polyfly::numberFrom(0.0));
+  add("--max-violations", limits.max_violations, "Greatest number of recorded commands outside their bounds.",
+      polyfly::wholeNumber<std::uint64_t>());
+}
+
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--bag", arguments.bags,
-                 "Bags of recorded flights. Pieces of a recording that was split are one flight.")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--map", arguments.maps,
-                 "Region maps of the three axes, in any order. The first map of an axis is the one that "
-                 "flew; further ones are compared with it.")
-      ->required()
-      ->type_name("FILE");
-  app.add_option(
-         "--options", arguments.options,
-         "Options file (YAML) of the controller that flew: vehicle, controller (default: what the bag "
-         "tells, else the controller's defaults).")
-      ->type_name("FILE");
-  app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
-  app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")
-      ->type_name("DIR");
-  app.add_option(
-         "--explore", arguments.explore,
-         "Write a page for each axis into this folder: its map and the flight's samples, to be explored in "
-         "a browser. The report links to the pages.")
-      ->type_name("DIR");
-  app.add_option(
-         "--propose", arguments.propose,
-         "If the flights left a map, write problem files that would have covered them into this folder.")
-      ->type_name("DIR");
-  app.add_option("--propose-limit", arguments.propose_limit,
-                 "Limit for counting the regions of such a problem; 0: neither count nor propose.")
-      ->check(polyfly::wholeNumber<std::uint64_t>())
-      ->capture_default_str();
-  app.add_option("--topics-bag", arguments.topics_bag,
-                 "Write a bag with the results as topics, for rviz and rqt.")
-      ->type_name("FILE");
+  const auto add = [&app](const char* name, auto& value, const char* type, const char* meaning) {
+    return app.add_option(name, value, meaning)->type_name(type);
+  };
+  add("--bag", arguments.bags, "FILE",
+      "Bags of recorded flights. Pieces of a recording that was split are one flight.")
+      ->required();
+  add("--map", arguments.maps, "FILE",
+      "Region maps of the three axes, in any order. The first map of an axis is the one that flew; further "
+      "ones "
+      "are compared with it.")
+      ->required();
+  add("--options", arguments.options, "FILE",
+      "Options file (YAML) of the controller that flew: vehicle, controller (default: what the bag tells, "
+      "else "
+      "the controller's defaults).");
+  add("--json", arguments.json, "FILE", "Write the results to this file as JSON.");
+  add("--report", arguments.report, "DIR", "Write index.html and summary.json into this folder.");
+  add("--explore", arguments.explore, "DIR",
+      "Write a page for each axis into this folder: its map and the flight's samples, to be explored in a "
+      "browser. The report links to the pages.");
+  add("--propose", arguments.propose, "DIR",
+      "If the flights left a map, write problem files that would have covered them into this folder.");
+  add("--topics-bag", arguments.topics_bag, "FILE",
+      "Write a bag with the results as topics, for rviz and rqt.");
   app.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
   app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds.");
-
-  auto& topics = arguments.topics;
-  const std::string group = "Topics (without a leading slash: in the namespace)";
-  app.add_option("--namespace", topics.name_space,
-                 "Namespace of the vehicle (default: that of the command topic).")
-      ->group(group);
-  app.add_option("--odometry", topics.odometry, "Topic of type nav_msgs/Odometry.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--trajectory", topics.trajectory, "Topic of type trajectory_msgs/MultiDOFJointTrajectory.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--pose", topics.pose, "Topic of type geometry_msgs/PoseStamped.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--command", topics.command, "Topic of type mav_msgs/RollPitchYawrateThrust.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--status", topics.status,
-                 "Topic of type online_controller/ControllerStatus; may be missing.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--disturbance", topics.disturbance,
-                 "Topic of type geometry_msgs/Vector3Stamped, the true disturbance; may be missing.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--parameters", topics.parameters,
-                 "Topic of type std_msgs/String, the parameters in force, below any node; may be missing.")
-      ->capture_default_str()
-      ->group(group);
-
-  auto& limits = arguments.thresholds;
-  const std::string thresholds = "Thresholds";
-  app.add_option("--min-coverage", limits.min_coverage, "Least share of samples inside all maps.")
-      ->check(polyfly::numberFrom(0.0, 1.0))
-      ->capture_default_str()
-      ->group(thresholds);
-  app.add_option("--max-qp-difference", limits.max_qp_difference,
-                 "Greatest difference between map and online QP [rad or m/s^2].")
-      ->check(polyfly::numberFrom(0.0))
-      ->capture_default_str()
-      ->group(thresholds);
-  app.add_option("--max-command-difference", limits.max_command_difference,
-                 "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2].")
-      ->check(polyfly::numberFrom(0.0))
-      ->capture_default_str()
-      ->group(thresholds);
-  app.add_option("--max-violations", limits.max_violations,
-                 "Greatest number of recorded commands outside their bounds.")
-      ->check(polyfly::wholeNumber<std::uint64_t>())
-      ->capture_default_str()
-      ->group(thresholds);
+  declareTopics(app, arguments.topics);
+  declareThresholds(app, arguments.thresholds);
+  polyfly::addRemoved(app, {"--propose-limit"},
+                      "was removed; 'offline_mpt solve' counts the regions of a proposed problem");
   app.footer(
       "Exit codes: 0 all thresholds hold; 1 one is broken, or there is a warning with --strict; 2 an input "
       "or option is invalid.");
@@ -193,12 +166,9 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
 
 // Fills the report's proposals, and writes their problems where that is asked for.
 void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly::ValidationReport* report) {
-  if (arguments.propose_limit == 0) return;
-  polyfly::ProposalLimits limits;
-  limits.regions = arguments.propose_limit;
   for (std::size_t axis = 0; axis < maps.flown.size(); ++axis) {
     const polyfly::AxisValidation& use = report->axes[axis];
-    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis, limits);
+    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis);
     if (!proposal) continue;
     report->proposals.push_back(*proposal);
     if (arguments.propose.empty() || proposal->problem.empty()) continue;
@@ -224,54 +194,93 @@ double previewPeriodOf(const polyfly::FlightLog& log, const std::string& options
   return told ? polyfly::parsePreviewPeriod(told->text, log.source) : polyfly::kPreviewPeriod;
 }
 
-// Reads, replays, judges; writes what belongs to this flight alone.
-polyfly::ValidationReport judge(const std::vector<std::string>& bag, std::size_t number,
-                                const polyfly::MapChoice& maps,
-                                const std::optional<polyfly::MultirotorOptions>& given,
-                                const Arguments& arguments, polyfly_ros::ValidationTopics* topics) {
+// A flight as it was read, and its replay.
+struct Flight {
+  polyfly::FlightLog log;
+  polyfly::MultirotorOptions options;
+  std::vector<polyfly::ReplaySample> samples;
+
+  polyfly::ReplayedFlight view() const { return {log, samples, options}; }
+};
+
+Flight readFlight(const std::vector<std::string>& bag, const polyfly::MapChoice& maps,
+                  const std::optional<polyfly::MultirotorOptions>& given, const Arguments& arguments) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
-  const polyfly::FlightLog log = polyfly_ros::readBag(
-      bag, arguments.topics, progress, arguments.quiet ? polyfly::Ask() : polyfly::promptIfTerminal());
-  for (const std::string& remark : log.remarks)
-    std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
-  const polyfly::MultirotorOptions options = given ? *given : optionsOf(log);
-  const std::vector<polyfly::ReplaySample> samples =
-      polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options),
+  Flight flight;
+  flight.log = polyfly_ros::readBag(bag, arguments.topics, progress,
+                                    arguments.quiet ? polyfly::Ask() : polyfly::promptIfTerminal());
+  for (const std::string& remark : flight.log.remarks)
+    std::cerr << polyfly::visible("note: " + flight.log.source + ": " + remark) << "\n";
+  flight.options = given ? *given : optionsOf(flight.log);
+  flight.samples =
+      polyfly::replay(flight.log, maps.flown, flight.options, previewPeriodOf(flight.log, arguments.options),
                       arguments.thresholds.max_command_difference);
-  polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
+  return flight;
+}
+
+// Of one flight, or of several together.
+polyfly::ValidationReport judge(const std::vector<polyfly::ReplayedFlight>& flights,
+                                const polyfly::MapChoice& maps, const Arguments& arguments) {
+  polyfly::ValidationReport report = polyfly::validate(flights, maps.flown, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
     report.comparisons.push_back(
-        polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
+        polyfly::compareMaps(flights, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
   }
-  if (arguments.flights.size() == 1) propose(maps, arguments, &report);
-  report.broken = polyfly::brokenThresholds(report, arguments.thresholds);
-  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
-  if (topics != nullptr) topics->write(samples, maps.flown, report);
+  if (flights.size() == arguments.flights.size()) propose(maps, arguments, &report);
+  return report;
+}
+
+void print(const polyfly::ValidationReport& report, const Arguments& arguments) {
+  if (!arguments.quiet)
+    std::cout << polyfly::visibleLines(polyfly::toText(polyfly::reportOn(report))) << "\n";
+}
+
+// Writes what belongs to this flight alone.
+void writeResults(const Flight& flight, const polyfly::ValidationReport& report, std::size_t number,
+                  const polyfly::MapChoice& maps, const Arguments& arguments) {
   const std::string report_folder = flightFolder(arguments, arguments.report, number);
   std::vector<polyfly::ReportLink> pages;
   if (!arguments.explore.empty()) {
     const std::string folder = flightFolder(arguments, arguments.explore, number);
-    polyfly::writeFlightPages(samples, maps.flown, log.source, folder);
+    polyfly::writeFlightPages(flight.samples, maps.flown, flight.log.source, folder);
     pages = polyfly::flightPageLinks(maps.flown, folder, report_folder);
   }
-  if (!arguments.report.empty()) {
-    polyfly::writeReport({log, samples, maps.flown, options, report, pages}, report_folder);
-    if (report.parameters)
-      polyfly::writeFileAtomically(report_folder + kParametersFile, report.parameters->text);
-  }
-  return report;
+  if (arguments.report.empty()) return;
+  polyfly::writeReport({flight.log, flight.samples, maps.flown, flight.options, report, pages},
+                       report_folder);
+  if (report.parameters)
+    polyfly::writeFileAtomically(report_folder + kParametersFile, report.parameters->text);
 }
 
-// What concerns all flights together, where there are several.
-std::string summarise(const std::vector<polyfly::ValidationReport>& flights, const polyfly::MapChoice& maps,
-                      const Arguments& arguments) {
-  if (flights.size() == 1) return polyfly::toJson(flights.front());
-  polyfly::ValidationReport all = polyfly::together(flights);
-  propose(maps, arguments, &all);
-  if (!arguments.quiet) std::cout << "\n" << polyfly::visibleLines(polyfly::toText(all));
-  if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
-  return polyfly::toJson(all, flights);
+// All flights as one, with what is said of each.
+polyfly::ValidationReport together(const std::vector<Flight>& flights,
+                                   const std::vector<polyfly::ValidationReport>& reports,
+                                   const polyfly::MapChoice& maps, const Arguments& arguments) {
+  std::vector<polyfly::ReplayedFlight> views;
+  for (const Flight& flight : flights) views.push_back(flight.view());
+  polyfly::ValidationReport all = judge(views, maps, arguments);
+  for (const polyfly::ValidationReport& flight : reports) {
+    const std::string name = polyfly::fileName(flight.source) + ": ";
+    for (const std::string& sentence : flight.warnings) all.warnings.push_back(name + sentence);
+    for (const std::string& sentence : flight.broken) all.broken.push_back(name + sentence);
+  }
+  return all;
+}
+
+// What is to be seen although nothing is printed. Returns the exit code.
+int settle(const std::vector<polyfly::ValidationReport>& reports, const Arguments& arguments) {
+  bool broken = false;
+  for (const polyfly::ValidationReport& flight : reports) {
+    broken = broken || !flight.broken.empty() || (arguments.strict && !flight.warnings.empty());
+    if (!arguments.quiet) continue;
+    for (const std::string& sentence : flight.warnings)
+      std::cerr << polyfly::visible("warning: " + flight.source + ": " + sentence) << "\n";
+    for (const std::string& sentence : flight.broken)
+      std::cerr << polyfly::visible("broken: " + (reports.size() > 1 ? flight.source + ": " : "") + sentence)
+                << "\n";
+  }
+  return broken ? kThresholdBroken : kPassed;
 }
 
 int run(Arguments& arguments) {
@@ -288,34 +297,32 @@ int run(Arguments& arguments) {
   if (!arguments.topics_bag.empty()) {
     topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
   }
-  std::vector<polyfly::ValidationReport> flights;
+  std::vector<Flight> flights;
+  std::vector<polyfly::ValidationReport> reports;
   for (const std::vector<std::string>& bag : arguments.flights) {
-    flights.push_back(judge(bag, flights.size() + 1, choice, options, arguments, topics.get()));
+    flights.push_back(readFlight(bag, choice, options, arguments));
+    const Flight& flight = flights.back();
+    reports.push_back(judge({flight.view()}, choice, arguments));
+    reports.back().broken = polyfly::brokenThresholds(reports.back(), arguments.thresholds);
+    print(reports.back(), arguments);
+    if (topics) topics->write(flight.samples, reports.back());
+    writeResults(flight, reports.back(), reports.size(), choice, arguments);
   }
   if (topics) topics->close();
-  const std::string json = summarise(flights, choice, arguments);
-  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, json);
-  bool broken = false;
-  for (const polyfly::ValidationReport& flight : flights) {
-    broken = broken || (arguments.strict && flight.verdict() == polyfly::Verdict::kDoubtful);
-    for (const std::string& sentence : flight.warnings) {
-      if (arguments.quiet)
-        std::cerr << polyfly::visible("warning: " + flight.source + ": " + sentence) << "\n";
-    }
-    for (const std::string& sentence : flight.broken) {
-      broken = true;
-      if (!arguments.quiet) continue;
-      std::cerr << "broken: " << polyfly::visible((flights.size() > 1 ? flight.source + ": " : "") + sentence)
-                << "\n";
-    }
+  polyfly::Json json = polyfly::jsonOf(reports.front());
+  if (flights.size() > 1) {
+    const polyfly::ValidationReport all = together(flights, reports, choice, arguments);
+    print(all, arguments);
+    if (!arguments.report.empty()) polyfly::writeOverview(reports, all, arguments.report);
+    json = polyfly::jsonOf(all, reports);
   }
-  return broken ? kThresholdBroken : kPassed;
+  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, polyfly::dumped(json));
+  return settle(reports, arguments);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  polyfly::installOutOfMemoryHandler("validate_bag");  // proposals are counted with GMP
   CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
                "validate_bag");
   Arguments arguments;

@@ -33,44 +33,34 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--bag", arguments.bag, "Bag with commands of a controller and odometry.")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--map", arguments.maps, "Maps of the safety filter, one to three, in any order.")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--options", arguments.options,
-                 "Options file (YAML) of the filter's node: vehicle, controller (default: the defaults).")
-      ->type_name("FILE");
-  app.add_option("--silence-periods", arguments.timing.silence_periods,
-                 "The node's parameter silence_periods.")
-      ->check(polyfly::numberFrom(1.0, 100.0))
-      ->capture_default_str();
-  app.add_option("--stale-periods", arguments.timing.stale_periods, "The node's parameter stale_periods.")
-      ->check(polyfly::numberFrom(1.0, 100.0))
-      ->capture_default_str();
-  app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
-  app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")
-      ->type_name("DIR");
+  const auto add = [&app](const char* name, auto& value, const char* type, const char* meaning) {
+    return app.add_option(name, value, meaning)->type_name(type);
+  };
+  const auto addPeriods = [&app](const char* name, double& periods, const char* meaning) {
+    app.add_option(name, periods, meaning)->check(polyfly::numberFrom(1.0, 100.0))->capture_default_str();
+  };
+  const auto addTopic = [&app](const char* name, std::string& topic, const char* meaning) {
+    app.add_option(name, topic, meaning)
+        ->capture_default_str()
+        ->group("Topics (without a leading slash: in the namespace)");
+  };
+  add("--bag", arguments.bag, "FILE", "Bag with commands of a controller and odometry.")->required();
+  add("--map", arguments.maps, "FILE", "Maps of the safety filter, one to three, in any order.")->required();
+  add("--options", arguments.options, "FILE",
+      "Options file (YAML) of the filter's node: vehicle, controller (default: the defaults).");
+  addPeriods("--silence-periods", arguments.timing.silence_periods, "The node's parameter silence_periods.");
+  addPeriods("--stale-periods", arguments.timing.stale_periods, "The node's parameter stale_periods.");
+  add("--json", arguments.json, "FILE", "Write the results to this file as JSON.");
+  add("--report", arguments.report, "DIR", "Write index.html and summary.json into this folder.");
   app.add_flag("--strict", arguments.strict, "End with exit code 1 if there is anything to be looked at.");
   app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and what is to be looked at.");
-
   auto& topics = arguments.topics;
-  const std::string group = "Topics (without a leading slash: in the namespace)";
-  app.add_option("--namespace", topics.name_space,
-                 "Namespace of the vehicle (default: that of the command topic).")
-      ->group(group);
-  app.add_option("--odometry", topics.odometry, "Topic of type nav_msgs/Odometry.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--wish", topics.wish,
-                 "Topic of type mav_msgs/RollPitchYawrateThrust: what the controller commanded.")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--status", topics.status,
-                 "Topic of type online_controller/CommandFilterStatus; may be missing.")
-      ->capture_default_str()
-      ->group(group);
+  addTopic("--namespace", topics.name_space,
+           "Namespace of the vehicle (default: that of the command topic).");
+  addTopic("--odometry", topics.odometry, "Topic of type nav_msgs/Odometry.");
+  addTopic("--wish", topics.wish,
+           "Topic of type mav_msgs/RollPitchYawrateThrust: what the controller commanded.");
+  addTopic("--status", topics.status, "Topic of type online_controller/CommandFilterStatus; may be missing.");
   app.footer(
       "Exit codes: 0 replayed; 1 there is something to be looked at, with --strict; 2 an input or option is "
       "invalid.");
@@ -106,8 +96,9 @@ int run(const Arguments& arguments) {
   const polyfly::FilterReplay replay = polyfly::replayFilter(log, arguments.timing, filter);
   const polyfly::FilterValidation validation = polyfly::validateFilter(log, replay, filter);
   if (!arguments.report.empty()) polyfly::writeFilterReport(validation, replay, arguments.report);
-  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, polyfly::toJson(validation));
-  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(validation));
+  if (!arguments.json.empty())
+    polyfly::writeFileAtomically(arguments.json, polyfly::dumped(polyfly::jsonOf(validation)));
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(polyfly::reportOn(validation)));
   if (arguments.quiet) {
     for (const std::string& finding : validation.findings)
       std::cerr << polyfly::visible("warning: " + log.source + ": " + finding) << "\n";

@@ -8,14 +8,24 @@
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_ros/stamps.hpp"
-#include "validation_ros/marker_colors.hpp"
-#include "validation_ros/slice_markers.hpp"
 
 namespace polyfly_ros {
 namespace {
 
 // Line width of the path in rviz [m].
 constexpr double kLineWidth = 0.03;
+
+std_msgs::ColorRGBA colorOf(float r, float g, float b) {
+  std_msgs::ColorRGBA color;
+  color.r = r;
+  color.g = g;
+  color.b = b;
+  color.a = 1.0F;
+  return color;
+}
+
+const std_msgs::ColorRGBA kGreen = colorOf(0.0F, 0.62F, 0.45F);
+const std_msgs::ColorRGBA kRed = colorOf(0.84F, 0.0F, 0.0F);
 
 bool insideAll(const polyfly::ReplaySample& sample) {
   return std::all_of(
@@ -73,7 +83,7 @@ void ValidationTopics::number(const std::string& topic, double stamp, double val
   bag_->write("/validation/" + topic, timeOf(stamp), message);
 }
 
-void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples, const polyfly::AxisMaps& maps,
+void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
                              const polyfly::ValidationReport& report) try {
   for (std::size_t axis = 0; axis < report.axes.size(); ++axis) writeAxis(samples, report.axes[axis], axis);
   for (const polyfly::ReplaySample& sample : samples) {
@@ -81,7 +91,6 @@ void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples, 
     number("tracking_error", sample.state.stamp, (sample.state.position - sample.reference.position).norm());
   }
   writePath(samples);
-  writeSlices(samples, maps);
 } catch (const rosbag::BagException& failure) {
   fail(failure);
 }
@@ -123,17 +132,6 @@ void ValidationTopics::writePath(const std::vector<polyfly::ReplaySample>& sampl
     path.colors.push_back(insideAll(sample) ? kGreen : kRed);
   }
   bag_->write("/validation/markers", path.header.stamp, path);
-}
-
-void ValidationTopics::writeSlices(const std::vector<polyfly::ReplaySample>& samples,
-                                   const polyfly::AxisMaps& maps) {
-  if (samples.empty()) return;
-  for (std::size_t axis = 0; axis < maps.size(); ++axis) {
-    for (visualization_msgs::Marker& marker : sliceMarkers(samples, *maps[axis], axis)) {
-      marker.header.stamp = timeOf(samples.back().state.stamp);
-      bag_->write("/validation/slices", marker.header.stamp, marker);
-    }
-  }
 }
 
 void ValidationTopics::close() {

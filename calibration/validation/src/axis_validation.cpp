@@ -36,15 +36,16 @@ double beyondRange(const Signal& signal, double value) {
 // Collects stretches of consecutive samples outside the map.
 class ExcursionCollector {
  public:
-  ExcursionCollector(const FlightLog& log, const RegionMap& map) : status_(log), map_(map) {}
+  ExcursionCollector(const FlightLog& log, const RegionMap& map, std::vector<Excursion>* found)
+      : status_(log), map_(map), found_(found) {}
 
   void add(const ReplaySample& sample, const AxisReport& report) {
     if (report.lookup == LookupStatus::kInside) {
       open_ = false;
       return;
     }
-    if (!open_ || isFarStep(found_.back().to, sample.state.stamp)) begin(sample, report);
-    Excursion& excursion = found_.back();
+    if (!open_ || isFarStep(found_->back().to, sample.state.stamp)) begin(sample, report);
+    Excursion& excursion = found_->back();
     excursion.to = sample.state.stamp;
     ++excursion.samples;
     ++excursion.statuses.at(static_cast<std::size_t>(status_(sample)));
@@ -52,7 +53,6 @@ class ExcursionCollector {
     const auto index = static_cast<std::size_t>(parameter_);
     excursion.beyond = std::max(excursion.beyond, beyondRange(map_.parameters()[index], report.theta[index]));
   }
-  std::vector<Excursion> take() { return std::move(found_); }
 
  private:
   void begin(const ReplaySample& sample, const AxisReport& report) {
@@ -65,58 +65,57 @@ class ExcursionCollector {
       excursion.parameter = signal.name;
       excursion.unit = signal.unit;
     }
-    found_.push_back(excursion);
+    found_->push_back(excursion);
     open_ = true;
   }
 
   StatusOf status_;
   const RegionMap& map_;
-  std::vector<Excursion> found_;
+  std::vector<Excursion>* found_;
   bool open_ = false;
   int parameter_ = -1;
 };
 
 }  // namespace
 
-AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                            const RegionMap& map, std::size_t index, const OracleMaker& maker) {
+AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const RegionMap& map,
+                            std::size_t index, const OracleMaker& maker) {
   AxisValidation axis;
   axis.axis = kAxisNames[index].axis;
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
-  axis.map_path = map.path();
   OnlineAxis online(map, maker);
   MapUseCounter counter(map);
-  ExcursionCollector excursions(log, map);
   std::vector<double> thetas;
   std::vector<double> input(map.inputs().size());
   const std::vector<double> nothing(map.parameters().size(), std::numeric_limits<double>::quiet_NaN());
   DifferenceCollector qp;
   DifferenceCollector tracking;
-  for (const ReplaySample& sample : samples) {
-    if (!sample.has_reference) continue;
-    const AxisReport& report = sample.report.axis[index];
-    const double stamp = sample.state.stamp;
-    const auto along = static_cast<Eigen::Index>(index);
-    tracking.add(sample.state.position[along] - sample.reference.position[along], stamp);
-    excursions.add(sample, report);
-    // Where no parameters could be assembled, the odometry or the reference was not finite.
-    const SampleUse use = counter.add(stamp, report.size > 0 ? report.theta.data() : nothing.data());
-    if (use.lookup.status != LookupStatus::kInside) continue;
-    axis.edge_series.push_back({stamp, use.face, use.edge});
-    thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
-    map.evaluate(report.theta.data(), input.data());
-    if (!online.known()) continue;
-    const std::optional<double> solved = online.input(report.theta.data());
-    if (solved) {
-      qp.add(input.front() - *solved, stamp);
-      axis.qp_series.push_back({stamp, std::abs(input.front() - *solved)});
-    } else {
-      ++axis.qp_failures;
+  for (const ReplayedFlight& flight : flights) {
+    ExcursionCollector excursions(flight.log, map, &axis.excursions);
+    for (const ReplaySample& sample : flight.samples) {
+      if (!sample.has_reference || !sample.is_known) continue;
+      const AxisReport& report = sample.report.axis[index];
+      const double stamp = sample.state.stamp;
+      const auto along = static_cast<Eigen::Index>(index);
+      tracking.add(sample.state.position[along] - sample.reference.position[along], stamp);
+      excursions.add(sample, report);
+      // Where no parameters could be assembled, the odometry or the reference was not finite.
+      const SampleUse use = counter.add(stamp, report.size > 0 ? report.theta.data() : nothing.data());
+      if (use.lookup.status != LookupStatus::kInside) continue;
+      axis.edge_series.push_back({stamp, use.face, use.edge});
+      thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
+      map.evaluate(report.theta.data(), input.data());
+      const std::optional<double> solved = online.input(report.theta.data());
+      if (solved) {
+        qp.add(input.front() - *solved, stamp);
+        axis.qp_series.push_back({stamp, std::abs(input.front() - *solved)});
+      } else {
+        ++axis.qp_failures;
+      }
     }
   }
   static_cast<MapUse&>(axis) = counter.use();
-  axis.excursions = excursions.take();
   axis.qp = qp.result();
   axis.qp_compared = qp.count();
   axis.tracking = tracking.result();

@@ -5,8 +5,9 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <utility>
 
-#include "filter_words.hpp"
+#include "polyfly_base/quantile.hpp"
 
 namespace polyfly {
 namespace {
@@ -20,7 +21,7 @@ constexpr double kGreatestMissing = 0.05;
 // Greatest part by which answers may come more often or less often than the maps' period says.
 constexpr double kPeriodTolerance = 0.2;
 
-std::string seconds(double time) { return filterNumber(time) + " s"; }
+std::string seconds(double time) { return number(time) + " s"; }
 
 FilterAxisValidation emptyAxis(const SafetyFilterProblem& problem, std::size_t axis) {
   FilterAxisValidation result;
@@ -127,9 +128,7 @@ void findInTheRecord(FilterValidation* validation) {
 double medianHeld(const FilterReplay& replay) {
   std::vector<double> held;
   for (const FilterSample& sample : replay.samples) held.push_back(sample.held);
-  const auto middle = held.begin() + static_cast<std::ptrdiff_t>(held.size() / 2);
-  std::nth_element(held.begin(), middle, held.end());
-  return *middle;
+  return quantileOf(std::move(held));
 }
 
 void findFaults(FilterValidation* validation) {

@@ -1,4 +1,3 @@
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,12 +5,8 @@
 #include <map>
 #include <sstream>
 
-#include "identification/identify_axis.hpp"
-#include "mpc_core/mpc_problem.hpp"
+#include "identification/loop_record.hpp"
 #include "online_controller/estimation/odometry_gate.hpp"
-#include "online_controller/types/attitude.hpp"
-#include "polyfly_base/error.hpp"
-#include "region_maps/region_map.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {
@@ -35,12 +30,6 @@ constexpr double kLongestShift = 1.5;
 constexpr double kAtLimit = 0.1;
 // Greatest difference of two commands at one limit [rad].
 constexpr double kSame = 1e-6;
-// Factor between the gains of flight and map that no fit explains.
-constexpr double kGainFactor = 1.25;
-// Factor between the lags of flight and map that no fit explains.
-constexpr double kLagFactor = 1.5;
-// Greatest number of odometry samples from which a loop is identified.
-constexpr std::size_t kMostFitted = 20000;
 constexpr std::array<const char*, 2> kAngles = {"roll", "pitch"};
 
 using Angles = std::vector<double>;
@@ -192,89 +181,18 @@ void warnOfTwist(const std::vector<ReplaySample>& samples, std::vector<std::stri
                       " samples " + kContradictionSentence + ".");
 }
 
-// Gain and mean lag (with the delay) of the way from a command to an angle.
-struct Loop {
-  double gain = 0.0;
-  double lag = 0.0;  // [s]
-};
-
-// Of a map's model, behind position and velocity: H(0), and -H'(0) / H(0). `delay` is that of the options [s].
-std::optional<Loop> loopOf(const RegionMap& map, double delay) {
-  if (map.problemKind() != "yaml") return std::nullopt;
-  const MpcProblem problem = continuousModel(parseFlightModel(std::string(map.problemText()), map.path()));
-  const Eigen::Index size = problem.A_c.rows() - 2;
-  if (size < 1) return std::nullopt;
-  const auto inverse = Eigen::FullPivLU<Eigen::MatrixXd>(problem.A_c.bottomRightCorner(size, size));
-  if (!inverse.isInvertible()) return std::nullopt;
-  const Eigen::VectorXd once = inverse.solve(problem.B_c.col(0).tail(size));
-  const Eigen::VectorXd twice = inverse.solve(once);
-  return Loop{-once[0], -twice[0] / once[0] + (delay > 0.0 ? delay : problem.delay)};
-}
-
-AxisRecords recordsOf(const FlightLog& log, std::size_t angle) {
-  AxisRecords records;
-  records.axis = kAngles[angle];
-  records.unit = records.command_unit = "rad";
-  records.training.source = log.source;
-  for (const FlightLog::Command& command : log.commands) {
-    records.training.command.time.push_back(command.stamp);
-    records.training.command.value.push_back(angle == 0 ? command.command.roll : command.command.pitch);
-  }
-  const std::size_t size = std::min(log.odometry.size(), kMostFitted);
-  const std::size_t first = (log.odometry.size() - size) / 2;
-  for (std::size_t index = first; index < first + size; ++index) {
-    const EulerAngles angles = eulerAngles(log.odometry[index].attitude);
-    records.training.response.time.push_back(log.odometry[index].stamp);
-    records.training.response.value.push_back(angle == 0 ? angles.roll : angles.pitch);
-  }
-  return records;
-}
-
-std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t angle, double delay) {
-  const std::optional<Loop> model = loopOf(map, delay);
-  if (!model || !(model->gain > 0.0) || !(model->lag > 0.0)) return "";
-  const AxisModel flown = identifyAxis(recordsOf(log, angle), {});
-  if (!flown.supported) return "";
-  const Loop loop{flown.with_delay.find("gain")->value,
-                  flown.with_delay.find("tau")->value + flown.with_delay.find("delay")->value};
-  const auto near = [](double a, double b, double factor) { return a < factor * b && b < factor * a; };
-  if (near(loop.gain, model->gain, kGainFactor) && near(loop.lag, model->lag, kLagFactor)) return "";
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(3);
-  text << "The vehicle answers its " << kAngles[angle] << " command with gain " << loop.gain
-       << " and a lag of " << loop.lag << " s, delay included; the model of its map has " << model->gain
-       << " and " << model->lag
-       << " s. The map is made for another vehicle: what it promises does not hold for this one (calibrate "
-          "attitude).";
-  return text.str();
-}
-
-void warnOfModels(const FlightLog& log, const AxisMaps& maps, double delay,
-                  std::vector<std::string>* warnings) {
-  // Between commands and odometry of different clocks there is no lag.
-  const auto is_steady = [](const FlightLog::TopicClock& topic) { return topic.clock.isSteady(); };
-  if (!std::all_of(log.clocks.begin(), log.clocks.end(), is_steady)) return;
-  for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
-    try {
-      // Roll belongs to the lateral map, pitch to the longitudinal map.
-      const std::string sentence = modelWarning(log, *maps[1 - angle], angle, delay);
-      if (!sentence.empty()) warnings->push_back(sentence);
-    } catch (const Error&) {  // too little moved for a fit: nothing to say about the model
-    }
-  }
-}
-
 }  // namespace
 
-std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                                        const AxisMaps& maps, const MultirotorOptions& options) {
+std::vector<std::string> flightWarnings(const ReplayedFlight& flight) {
+  std::vector<ReplaySample> samples;
+  for (const ReplaySample& sample : flight.samples) {
+    if (!sample.ignorance) samples.push_back(sample);
+  }
   std::vector<std::string> warnings;
-  warnOfClock(log, &warnings);
+  warnOfClock(flight.log, &warnings);
   warnOfFrames(samples, &warnings);
   warnOfTwist(samples, &warnings);
-  warnOfCommands(log, samples, options, &warnings);
-  warnOfModels(log, maps, options.delay, &warnings);
+  warnOfCommands(flight.log, samples, flight.options, &warnings);
   return warnings;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "difference_collector.hpp"
 #include "online_axis.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
+#include "validation/difference.hpp"
 
 namespace polyfly {
 namespace {
@@ -28,7 +28,7 @@ std::vector<std::size_t> placesByName(const RegionMap& flown, const RegionMap& o
 
 }  // namespace
 
-MapComparison compareMaps(const std::vector<ReplaySample>& samples, const RegionMap& flown,
+MapComparison compareMaps(const std::vector<ReplayedFlight>& flights, const RegionMap& flown,
                           const RegionMap& other, std::size_t axis, const OracleMaker& maker) {
   const std::vector<std::size_t> places = placesByName(flown, other);
   MapComparison result;
@@ -43,23 +43,25 @@ MapComparison compareMaps(const std::vector<ReplaySample>& samples, const Region
   std::vector<double> thetas;
   std::vector<double> flown_input(flown.inputs().size());
   std::vector<double> other_input(other.inputs().size());
-  for (const ReplaySample& sample : samples) {
-    const AxisReport& report = sample.report.axis.at(axis);
-    if (!sample.has_reference || report.size == 0) continue;
-    for (std::size_t index = 0; index < places.size(); ++index) theta[index] = report.theta.at(places[index]);
-    const bool held = flown.evaluate(report.theta.data(), flown_input.data()).status == LookupStatus::kInside;
-    const bool holds = counter.add(sample.state.stamp, theta.data()).lookup.status == LookupStatus::kInside;
-    result.only_flown += held && !holds ? 1 : 0;
-    result.only_other += holds && !held ? 1 : 0;
-    if (!holds) continue;
-    other.evaluate(theta.data(), other_input.data());
-    thetas.insert(thetas.end(), theta.begin(), theta.end());
-    if (online.known()) {
+  for (const ReplayedFlight& flight : flights) {
+    for (const ReplaySample& sample : flight.samples) {
+      const AxisReport& report = sample.report.axis.at(axis);
+      if (!sample.has_reference || report.size == 0) continue;
+      for (std::size_t index = 0; index < places.size(); ++index)
+        theta[index] = report.theta.at(places[index]);
+      const bool held =
+          flown.evaluate(report.theta.data(), flown_input.data()).status == LookupStatus::kInside;
+      const bool holds = counter.add(sample.state.stamp, theta.data()).lookup.status == LookupStatus::kInside;
+      result.only_flown += held && !holds ? 1 : 0;
+      result.only_other += holds && !held ? 1 : 0;
+      if (!holds) continue;
+      other.evaluate(theta.data(), other_input.data());
+      thetas.insert(thetas.end(), theta.begin(), theta.end());
       const std::optional<double> solved = online.input(theta.data());
       if (solved) qp.add(other_input.front() - *solved, sample.state.stamp);
       result.qp_failures += solved ? 0 : 1;
+      if (held) difference.add(flown_input.front() - other_input.front(), sample.state.stamp);
     }
-    if (held) difference.add(flown_input.front() - other_input.front(), sample.state.stamp);
   }
   result.use = counter.use();
   result.both = difference.count();

@@ -1,25 +1,30 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <map>
 #include <optional>
 #include <set>
 
+#include "flight_figures.hpp"
 #include "map_plot/slice.hpp"
 #include "online_controller/laws/axis.hpp"
+#include "polyfly_base/quantile.hpp"
 #include "region_maps/region_map.hpp"
-#include "report_parts.hpp"
-#include "validation/flight_slice.hpp"
 
 namespace polyfly {
 namespace {
-
-using Style = Series::Style;
 
 // Greatest number of dots of a drawn cloud.
 constexpr std::size_t kDots = 900;
 // Greatest number of regions that are named beside the picture.
 constexpr std::size_t kNamedRegions = 12;
+// Least width of a part of a slice, in the parameter's unit.
+constexpr double kLeastWidth = 0.02;
+// Grid in which samples are counted.
+constexpr int kColumns = 48;
+constexpr int kRows = 32;
+// From few samples to many, each twice the one before or more.
+constexpr const char* kHeat[] = {"#fde725", "#7ad151", "#22a884", "#2a788e", "#414487", "#440154"};
 
 // Regions over time. Each region that was visited has a line of its own; of many, evenly spaced ones are named.
 Panel regionPanel(const ReportContent& content, std::size_t axis) {
@@ -37,12 +42,11 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
     const auto line = std::lower_bound(met.begin(), met.end(), region);
     return region < 0 ? kNothing : static_cast<double>(std::distance(met.begin(), line));
   })};
-  if (met.empty() && !content.samples.empty()) {  // nothing to fit a range to
+  // Then there is nothing to fit a range to.
+  if (met.empty())
     panel.x_range =
         padded(0.0, content.samples.back().state.stamp - content.samples.front().state.stamp, 1.0);
-  }
-  panel.series[0].style = Style::kSteps;
-  panel.series[0].width = 2.2;
+  panel.series[0].style = Series::Style::kSteps;
   const std::size_t step = met.size() / (kNamedRegions + 1) + 1;
   for (std::size_t line = 0; line < met.size(); line += step)
     panel.y_ticks.emplace_back(static_cast<double>(line), "region " + std::to_string(met[line]));
@@ -50,63 +54,69 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
   return panel;
 }
 
-}  // namespace
-
-ReportFigure regionFigure(const ReportContent& content) {
-  ReportFigure result;
-  result.heading = "Active region over time";
-  result.caption =
-      "Which region's law answered each sample, of the regions that were visited. A level line means that "
-      "one "
-      "affine law flew all along, a jump that the set of active constraints changed, a gap that there was no "
-      "answer.";
-  // Height of a panel's title and axis [px].
-  constexpr double kFrame = 110.0;
-  double height = 0.0;
+ReportSection regionFigure(const ReportContent& content) {
+  // Height of a panel's title and axis, and of a named region [px].
+  constexpr std::size_t kFrame = 150;
+  constexpr std::size_t kLine = 18;
+  std::size_t lines = 0;
   std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     panels.push_back(regionPanel(content, axis));
-    height = std::max(height, 40.0 + 18.0 * static_cast<double>(panels.back().y_ticks.size()));
+    lines = std::max(lines, panels.back().y_ticks.size());
   }
-  result.figure = pageFigure(std::move(panels), static_cast<int>(height + kFrame));
-  return result;
+  return pictured("Active region over time",
+                  "Which region's law answered each sample, of the regions that were visited. A level line "
+                  "means that one affine law flew all along, a jump that the set of active constraints "
+                  "changed, a gap that there was no answer.",
+                  std::move(panels), static_cast<int>(kFrame + kLine * lines));
 }
 
-namespace {
+// Parameters of an axis along the free parameters of a slice, of each sample.
+struct Cloud {
+  std::vector<double> x;
+  std::vector<double> y;
+};
 
-// The flight's parameters projected on the slice.
-Series visitedPoints(const ReportContent& content, std::size_t axis, const Slice& cut) {
-  Series points;
-  points.color = palette::kInk;
-  points.style = Style::kPoints;
-  points.width = 2.0;
-  const std::size_t stride = content.samples.size() / kDots + 1;
-  for (std::size_t index = 0; index < content.samples.size(); index += stride) {
-    const ReplaySample& sample = content.samples[index];
+Cloud cloudOf(const ReportContent& content, std::size_t axis, const Slice& cut) {
+  Cloud cloud;
+  for (const ReplaySample& sample : content.samples) {
     const AxisReport& report = sample.report.axis[axis];
     if (!sample.has_reference || report.size == 0) continue;
-    points.x.push_back(report.theta[static_cast<std::size_t>(cut.x)]);
-    points.y.push_back(report.theta[static_cast<std::size_t>(cut.y)]);
+    cloud.x.push_back(report.theta[static_cast<std::size_t>(cut.x)]);
+    cloud.y.push_back(report.theta[static_cast<std::size_t>(cut.y)]);
   }
-  return points;
+  return cloud;
 }
 
-// Dark dots on white ones, so that they are seen on every colour.
-std::vector<Series> withHalo(const Series& points) {
-  Series halo = points;
-  halo.color = "#ffffff";
-  halo.width = 2.0 * points.width;
-  return {halo, points};
+// The slice that shows a flight, through position and velocity error. Each other parameter is at its median over the
+// samples inside the map. Without such samples it is at 0, or at the bound nearest to it.
+SliceRequest flightSlice(const ReportContent& content, std::size_t axis) {
+  SliceRequest request;
+  request.x = kAxisNames[axis].position_error;
+  request.y = kAxisNames[axis].velocity_error;
+  const auto& parameters = content.maps[axis]->parameters();
+  for (std::size_t parameter = 0; parameter < parameters.size(); ++parameter) {
+    const Signal& signal = parameters[parameter];
+    if (signal.name == request.x || signal.name == request.y) continue;
+    std::vector<double> values;
+    for (const ReplaySample& sample : content.samples) {
+      const AxisReport& report = sample.report.axis[axis];
+      if (report.lookup == LookupStatus::kInside) values.push_back(report.theta[parameter]);
+    }
+    request.at.emplace_back(signal.name,
+                            std::clamp(quantileOf(std::move(values)), signal.lower, signal.upper));
+  }
+  return request;
 }
 
 // The slice around the points, none if they lie outside the map altogether.
-std::optional<Slice> sliceNear(const RegionMap& map, SliceRequest request, const Series& points) {
-  if (points.x.empty()) return std::nullopt;
-  const auto [left, right] = std::minmax_element(points.x.begin(), points.x.end());
-  const auto [low, high] = std::minmax_element(points.y.begin(), points.y.end());
-  request.x_window = padded(*left, *right, 0.02);
-  request.y_window = padded(*low, *high, 0.02);
-  const Slice whole = slice(map, {request.x, request.y, request.at});
+std::optional<Slice> sliceNear(const RegionMap& map, SliceRequest request, const Slice& whole,
+                               const Cloud& cloud) {
+  if (cloud.x.empty()) return std::nullopt;
+  const auto [left, right] = std::minmax_element(cloud.x.begin(), cloud.x.end());
+  const auto [low, high] = std::minmax_element(cloud.y.begin(), cloud.y.end());
+  request.x_window = padded(*left, *right, kLeastWidth);
+  request.y_window = padded(*low, *high, kLeastWidth);
   const auto apart = [](const Panel::Range& one, const Panel::Range& other) {
     return one.second <= other.first || other.second <= one.first;
   };
@@ -114,104 +124,97 @@ std::optional<Slice> sliceNear(const RegionMap& map, SliceRequest request, const
   return slice(map, request);
 }
 
-}  // namespace
+// Dark dots on white ones, so that they are seen on every colour.
+std::vector<Series> dotsOf(const Cloud& cloud) {
+  Series points;
+  points.color = palette::kInk;
+  points.style = Series::Style::kPoints;
+  points.width = 2.0;
+  for (std::size_t i = 0; i < cloud.x.size(); i += cloud.x.size() / kDots + 1) {
+    points.x.push_back(cloud.x[i]);
+    points.y.push_back(cloud.y[i]);
+  }
+  if (points.x.empty()) return {};
+  Series halo = points;
+  halo.color = "#ffffff";
+  halo.width = 2.0 * points.width;
+  return {halo, points};
+}
 
-ReportFigure sliceFigure(const ReportContent& content, std::size_t axis) {
+// Cells coloured by the logarithm of their samples, with the regions' outlines above.
+Panel heatPanel(const RegionMap& map, const Slice& cut, const Cloud& cloud) {
+  constexpr int kLevels = static_cast<int>(std::size(kHeat));
+  const double width = (cut.x_range.second - cut.x_range.first) / kColumns;
+  const double height = (cut.y_range.second - cut.y_range.first) / kRows;
+  std::map<std::pair<int, int>, double> counts;
+  double most = 1.0;
+  for (std::size_t i = 0; i < cloud.x.size(); ++i) {
+    const int column = static_cast<int>(std::floor((cloud.x[i] - cut.x_range.first) / width));
+    const int row = static_cast<int>(std::floor((cloud.y[i] - cut.y_range.first) / height));
+    if (column < 0 || column >= kColumns || row < 0 || row >= kRows) continue;
+    most = std::max(most, ++counts[{column, row}]);
+  }
+  const double per_level = std::max(std::log(2.0), std::log(most) / kLevels);
+  std::vector<Patches> levels(kLevels + 1);
+  for (std::size_t level = 0; level < std::size(kHeat); ++level) levels[level].fill = kHeat[level];
+  for (const auto& [cell, count] : counts) {
+    const int level = std::min(kLevels - 1, static_cast<int>(std::log(count) / per_level));
+    const double x = cut.x_range.first + width * cell.first;
+    const double y = cut.y_range.first + height * cell.second;
+    levels[static_cast<std::size_t>(level)].polygons.push_back(
+        {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}});
+  }
+  levels.back().border = palette::kGrey;
+  for (const SlicePolygon& polygon : cut.polygons) levels.back().polygons.push_back(polygon.corners);
+  levels.erase(std::remove_if(levels.begin(), levels.end(),
+                              [](const Patches& level) { return level.polygons.empty(); }),
+               levels.end());
+  Panel panel = slicePanel(map, cut);
+  panel.patches = levels;
+  ColorScale scale;
+  scale.upper = kLevels * per_level / std::log(10.0);
+  scale.label = "samples in a cell, log 10";
+  scale.colors.assign(std::begin(kHeat), std::end(kHeat));
+  panel.scale = scale;
+  return panel;
+}
+
+ReportSection sliceFigure(const ReportContent& content, std::size_t axis) {
   const RegionMap& map = *content.maps[axis];
-  const SliceRequest request = flightSlice(content.samples, map, axis);
+  const SliceRequest request = flightSlice(content, axis);
   const Slice cut = slice(map, request);
-  const Series points = visitedPoints(content, axis, cut);
-  Panel whole = slicePanel(map, cut);
-  whole.title = "Whole map: " + std::to_string(cut.polygons.size()) + " of " +
-                std::to_string(map.regionCount()) + " regions are cut";
-  if (!points.x.empty()) whole.series = withHalo(points);
-  std::vector<Panel> panels = {whole};
-  const std::optional<Slice> closer = sliceNear(map, request, points);
+  const Cloud cloud = cloudOf(content, axis, cut);
+  std::vector<Panel> panels = {slicePanel(map, cut)};
+  panels[0].title = "Whole map: " + std::to_string(cut.polygons.size()) + " of " +
+                    std::to_string(map.regionCount()) + " regions are cut";
+  panels[0].series = dotsOf(cloud);
+  panels.push_back(heatPanel(map, cut, cloud));
+  panels.back().title = "Where the flight spent its time";
+  const std::optional<Slice> closer = sliceNear(map, request, cut, cloud);
   if (closer) {
     panels.push_back(slicePanel(map, *closer));
-    panels.back().title = "Where the flight was: " + std::to_string(closer->polygons.size()) +
-                          (closer->polygons.size() == 1 ? " region" : " regions");
-    panels.back().series = withHalo(points);
+    panels.back().title = "Where the flight was: " + std::to_string(closer->polygons.size()) + " regions";
+    panels.back().series = dotsOf(cloud);
+    panels.push_back(heatPanel(map, *closer, cloud));
+    panels.back().title = "Where the flight was, and for how long";
   }
-  ReportFigure result;
-  result.heading = std::string("Partition, ") + kAxisNames[axis].axis + " axis";
-  result.caption =
+  return pictured(
+      std::string("Partition, ") + kAxisNames[axis].axis + " axis",
       "A slice of the map through " + axisLabel(map.parameters()[static_cast<std::size_t>(cut.x)]) + " and " +
-      axisLabel(map.parameters()[static_cast<std::size_t>(cut.y)]) +
-      " with the other parameters at their median of the flight: lines part the regions, colour is the "
-      "explicit law's answer, the dark dots are what the flight visited (it also moves off the slice).";
-  result.figure = pageFigure(std::move(panels), row_height::kView, 2);
-  return result;
+          axisLabel(map.parameters()[static_cast<std::size_t>(cut.y)]) +
+          " with the other parameters at their median of the flight: lines part the regions, colour is the "
+          "explicit law's answer, the dark dots are what the flight visited (it also moves off the slice). "
+          "Right: samples in each cell of a grid, whatever the other parameters.",
+      std::move(panels), row_height::kView, 2);
 }
 
-ReportFigure agreementFigure(const ReportContent& content) {
-  ReportFigure result;
-  result.heading = "Explicit against online";
-  result.caption =
-      "Difference between the map's answer and an online QP solved at the same parameters, for every sample; "
-      "the ordinate "
-      "is logarithmic and equal answers lie on its lower edge.";
-  constexpr double kFloor = 1e-17;  // stands for zero on the logarithmic axis
-  Panel panel = timePanel("", "|explicit − online| [unit of the input]");
-  panel.log_y = true;
-  double greatest = 1e-9;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const AxisValidation& used = content.validation.axes[axis];
-    Series series;
-    series.label = used.input + " [" + used.input_unit + "]";
-    series.color = kAxisColors[axis];
-    series.style = Style::kPoints;
-    for (const auto& [stamp, difference] : used.qp_series) {
-      series.x.push_back(stamp - content.samples.front().state.stamp);
-      series.y.push_back(std::max(difference, kFloor));
-      greatest = std::max(greatest, difference);
-    }
-    if (!series.x.empty()) panel.series.push_back(thinned(series, kCurvePoints));
-  }
-  panel.y_range = {kFloor, 10.0 * greatest};
-  result.figure = pageFigure({panel}, row_height::kAlone);
-  return result;
-}
+}  // namespace
 
-ReportFigure latencyFigure(const ReportContent& content) {
-  ReportFigure result;
-  result.heading = "Look-up time";
-  result.caption =
-      "Time of one look-up with its law, measured in batches of 16 on the parameters of this flight: in "
-      "their order "
-      "(left) and shuffled, so that neither caches nor branch prediction help (right); the last bar also "
-      "holds what took longer.";
-  std::vector<double> all;
-  for (const AxisValidation& axis : content.validation.axes) {
-    all.insert(all.end(), axis.lookups.in_order.begin(), axis.lookups.in_order.end());
-    all.insert(all.end(), axis.lookups.shuffled.begin(), axis.lookups.shuffled.end());
-  }
-  // The tail beyond is counted in the last bar.
-  const double lower = 0.8 * *std::min_element(all.begin(), all.end());
-  const double upper = std::max(1.3 * percentiles(all).p99, lower + 10.0);
-  std::vector<Panel> panels;
-  for (const bool shuffled : {false, true}) {
-    std::vector<double> times;
-    for (const AxisValidation& axis : content.validation.axes) {
-      const std::vector<double>& part = shuffled ? axis.lookups.shuffled : axis.lookups.in_order;
-      times.insert(times.end(), part.begin(), part.end());
-    }
-    const Percentiles share = percentiles(times);
-    Panel panel;
-    panel.title = shuffled ? "Shuffled" : "In the order of the flight";
-    panel.x_label = "time per look-up [ns]";
-    panel.y_label = "batches";
-    panel.x_range = {lower, upper};
-    panel.series = {histogram(times, lower, upper, 50, false)};
-    const std::vector<double>& counts = panel.series[0].y;
-    panel.y_range = {0.0, 1.25 * *std::max_element(counts.begin(), counts.end())};  // room for the labels
-    panel.marks = {
-        {share.p50, "median " + std::to_string(std::lround(share.p50)) + " ns", palette::kInk},
-        {share.p99, "99 % below " + std::to_string(std::lround(share.p99)) + " ns", palette::kVermilion}};
-    panels.push_back(panel);
-  }
-  result.figure = pageFigure(std::move(panels), row_height::kAlone, 2);
-  return result;
+std::vector<ReportSection> mapFigures(const ReportContent& content) {
+  std::vector<ReportSection> figures = {regionFigure(content)};
+  for (const std::size_t axis : {std::size_t{1}, std::size_t{0}, std::size_t{2}})
+    figures.push_back(sliceFigure(content, axis));
+  return figures;
 }
 
 }  // namespace polyfly

@@ -2,57 +2,20 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <exception>
 #include <iomanip>
 #include <locale>
-#include <mutex>
 #include <new>
 #include <sstream>
-#include <thread>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/load_yaml.hpp"
 #include "region_maps/region_map.hpp"
-#include "robust_mpc/robust_law.hpp"
 
 namespace polyfly {
 namespace {
-
-/// Sets a flag when a time is over, unless it is destroyed before.
-class Deadline {
- public:
-  explicit Deadline(double seconds) : timer_([this, seconds] { run(seconds); }) {}
-  ~Deadline() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      done_ = true;
-    }
-    changed_.notify_one();
-    timer_.join();
-  }
-  Deadline(const Deadline&) = delete;
-  Deadline& operator=(const Deadline&) = delete;
-
-  const std::atomic<bool>& over() const { return over_; }
-
- private:
-  void run(double seconds) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    over_ = !changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return done_; });
-  }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool done_ = false;
-  std::atomic<bool> over_{false};
-  std::thread timer_;  // last: it uses the others
-};
 
 // Outwards to three significant digits, as people write ranges.
 double roundedOut(double value, bool up) {
@@ -94,49 +57,12 @@ std::string withRange(const std::string& text, const MapProposal::Change& change
               ": no `range: [least, greatest]` to change in the map's problem");
 }
 
-// An interrupted feasible set bounds nothing: no region is known before it is whole.
-void countRobust(const ProposalLimits& limits, MapProposal* proposal) {
-  const RobustProblem problem = parseRobustProblem(proposal->problem, proposal->map_path + " (proposal)");
-  const Deadline deadline(limits.seconds);
-  ProjectOptions options;
-  options.stop = &deadline.over();
-  const FeasibleSet set = projectFeasibleSet(buildRobustProgram(problem), options);
-  if (set.interrupted) return;
-  proposal->regions_then = explicitLaw(problem, set).regions.size();
-  proposal->counted_all = true;
-}
-
-void countLinear(const std::string& kind, const ProposalLimits& limits, MapProposal* proposal) {
-  const ParametricProgram program = parseProgram(proposal->problem, kind, proposal->map_path + " (proposal)");
-  ExploreOptions options;
-  options.region_limit = limits.regions;
-  options.time_limit = limits.seconds;
-  const Partition partition = explore(program, options);
-  proposal->regions_then = partition.regions.size();
-  proposal->counted_all = partition.status == ExploreStatus::kComplete;
-}
-
-void count(const std::string& kind, const ProposalLimits& limits, MapProposal* proposal) {
-  const bool yaml = kind == "yaml";
-  if (yaml && isRobustProblem(proposal->problem, proposal->map_path)) {
-    countRobust(limits, proposal);
-  } else {
-    countLinear(kind, limits, proposal);
-  }
-  if (proposal->counted_all || proposal->regions_then > 0) return;
-  std::ostringstream text;
-  text << "its regions were not counted within " << limits.seconds << " s: `offline_mpt solve` takes longer";
-  proposal->obstacle = text.str();
-}
-
 }  // namespace
 
-std::optional<MapProposal> proposeMap(const RegionMap& map, const MapUse& use, const std::string& axis,
-                                      const ProposalLimits& limits) {
+std::optional<MapProposal> proposeMap(const RegionMap& map, const MapUse& use, const std::string& axis) {
   MapProposal proposal;
   proposal.axis = axis;
   proposal.map_path = map.path();
-  proposal.regions = map.regionCount();
   proposal.changes = changesOf(use);
   proposal.infeasible = use.outside_partition;
   if (proposal.changes.empty() && proposal.infeasible == 0) return std::nullopt;
@@ -149,8 +75,9 @@ std::optional<MapProposal> proposeMap(const RegionMap& map, const MapUse& use, c
   try {
     std::string text(map.problemText());
     for (const MapProposal::Change& change : proposal.changes) text = withRange(text, change);
+    // What is proposed must be a problem.
+    if (map.problemKind() == "yaml") parseFlightModel(text, map.path() + " (proposal)");
     proposal.problem = text;
-    count(std::string(map.problemKind()), limits, &proposal);
   } catch (const std::bad_alloc&) {  // is no property of the problem
     throw;
   } catch (const std::exception& error) {

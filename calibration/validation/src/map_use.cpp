@@ -67,35 +67,6 @@ double MapUse::share() const {
   return samples == 0 ? 0.0 : static_cast<double>(inside) / static_cast<double>(samples);
 }
 
-void MapUse::add(const MapUse& other) {
-  samples += other.samples;
-  inside += other.inside;
-  outside_box += other.outside_box;
-  outside_partition += other.outside_partition;
-  not_finite += other.not_finite;
-  for (std::size_t region = 0; region < regions(); ++region) {
-    region_samples[region] += other.region_samples.at(region);
-  }
-  for (std::size_t index = 0; index < parameters.size(); ++index) {
-    ParameterUse& use = parameters[index];
-    const ParameterUse& more = other.parameters.at(index);
-    use.least = std::min(use.least, more.least);
-    use.greatest = std::max(use.greatest, more.greatest);
-    use.outside += more.outside;
-    use.room = std::min(use.room, more.room);
-    for (std::size_t bin = 0; bin < ParameterUse::kBins; ++bin) use.histogram[bin] += more.histogram[bin];
-  }
-  windows.insert(windows.end(), other.windows.begin(), other.windows.end());
-  if (other.edge.least < edge.least) edge_parameter = other.edge_parameter;
-  const auto join = [](DistanceUse* distance, const DistanceUse& more) {
-    const double sum = distance->sum + more.sum;
-    if (more.least < distance->least) *distance = more;
-    distance->sum = sum;
-  };
-  join(&face, other.face);
-  join(&edge, other.edge);
-}
-
 MapUseCounter::MapUseCounter(const RegionMap& map) : map_(&map) {
   use_.region_samples.resize(map.regionCount(), 0);
   for (const Signal& signal : map.parameters()) enclosed_.push_back(isEnclosed(map, signal));

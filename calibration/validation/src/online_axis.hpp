@@ -16,9 +16,6 @@ class OnlineAxis {
   /// Throws Error naming the map when its problem text cannot be read.
   explicit OnlineAxis(const RegionMap& map, const OracleMaker& maker = {});
 
-  /// Whether there is something to compare with.
-  bool known() const { return static_cast<bool>(oracle_); }
-
   /// First input at `theta`, none if the solver finds no solution. The last answer is kept for the same
   /// theta.
   std::optional<double> input(const double* theta);

@@ -12,6 +12,7 @@
 #include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/options_text.hpp"
 #include "polyfly_base/provenance.hpp"
+#include "polyfly_base/version.hpp"
 #include "region_maps/region_map.hpp"
 #include "validation/controller_options.hpp"
 
@@ -160,6 +161,7 @@ std::optional<ParametersTold> parametersTold(const FlightLog& log) {
   parameters.text = log.parameters[first].text;
   Values values = valuesOf(parameters.text, log.source);
   parameters.node = at(values, told("node"));
+  parameters.version = at(values, told("version"));
   parameters.law = at(values, told("law"));
   parameters.provenance = at(values, "provenance");
   const std::string group = sourceOf(parameters.law);
@@ -175,6 +177,11 @@ std::optional<ParametersTold> parametersTold(const FlightLog& log) {
     values = std::move(next);
   }
   return parameters;
+}
+
+bool isOfOtherVersion(const FlightLog& log) {
+  const std::optional<ParametersTold> parameters = parametersTold(log);
+  return parameters && parameters->version != kVersion;
 }
 
 MultirotorOptions optionsInForce(const ParametersTold& parameters) {

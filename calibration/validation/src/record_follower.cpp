@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "difference_collector.hpp"
 #include "identification/loop_record.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "region_maps/region_map.hpp"
+#include "validation/difference.hpp"
 
 namespace polyfly {
 namespace {

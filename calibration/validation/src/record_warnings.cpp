@@ -71,12 +71,15 @@ void warnOfMissingTimes(const FlightLog& log, std::vector<std::string>* warnings
                       " after the first odometry: parts of the recording are lost, or nothing ran.");
 }
 
-const char* wordsOn(Ignorance cause) {
+const char* reasonOf(Ignorance cause) {
   switch (cause) {
     case Ignorance::kBegun:
       return "The recording begins in flight: what the controller knew before is not in it.";
     case Ignorance::kMissing:
       return "A part of the recording is missing there.";
+    case Ignorance::kVersion:
+      return "Another version flew: its parameters are looked up again, and what its estimators made of the "
+             "odometry is not compared.";
     case Ignorance::kAltered:
       return "The controller's status tells of another position or velocity error there: the recording is "
              "altered, or "
@@ -87,7 +90,8 @@ const char* wordsOn(Ignorance cause) {
 
 void warnOfStretches(const FlightLog& log, const ValidationReport& report,
                      std::vector<std::string>* warnings) {
-  for (const Ignorance cause : {Ignorance::kBegun, Ignorance::kMissing, Ignorance::kAltered}) {
+  for (const Ignorance cause :
+       {Ignorance::kBegun, Ignorance::kMissing, Ignorance::kAltered, Ignorance::kVersion}) {
     std::vector<TimeSpan> spans;
     std::size_t samples = 0;
     for (const IncomparableStretch& stretch : report.incomparable) {
@@ -98,7 +102,9 @@ void warnOfStretches(const FlightLog& log, const ValidationReport& report,
     }
     if (spans.empty()) continue;
     warnings->push_back(std::to_string(samples) + " commands are not compared, from " + describe(spans) +
-                        " after the first odometry, until they agree again. " + wordsOn(cause));
+                        " after the first odometry" +
+                        (cause == Ignorance::kVersion ? ". " : ", until they agree again. ") +
+                        reasonOf(cause));
   }
 }
 

@@ -1,9 +1,11 @@
 #include "validation/replay.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "online_controller/estimation/odometry_gate.hpp"
 #include "online_controller/laws/axis.hpp"
@@ -12,6 +14,7 @@
 #include "polyfly_base/error.hpp"
 #include "record_follower.hpp"
 #include "region_maps/region_map.hpp"
+#include "validation/parameters_told.hpp"
 
 namespace polyfly {
 namespace {
@@ -124,15 +127,61 @@ std::vector<ReplaySample> replayed(const FlightLog& log, const AxisMaps& maps,
   return samples;
 }
 
+// The first parameter out of its range, or -1.
+int firstOutside(const RegionMap& map, const std::vector<double>& theta) {
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const Signal& signal = map.parameters()[i];
+    if (!(theta[i] >= signal.lower && theta[i] <= signal.upper)) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+// The replay of a flight of another version keeps references only: what the controller told takes the place of the rest.
+// Where it told nothing, the map's parameters are not known.
+void takeRecorded(const FlightLog& log, const AxisMaps& maps, std::vector<ReplaySample>* samples) {
+  std::map<double, const FlightLog::Status*> recorded;
+  for (const FlightLog::Status& status : log.statuses) {
+    if (status.reason != ControlReason::kStale) recorded[status.stamp] = &status;
+  }
+  for (ReplaySample& sample : *samples) {
+    sample.ignorance = Ignorance::kVersion;
+    const auto found = recorded.find(sample.state.stamp);
+    sample.is_known = found != recorded.end();
+    if (!sample.is_known) continue;
+    const FlightLog::Status& status = *found->second;
+    sample.report.status = status.status;
+    sample.report.reason = status.reason;
+    for (std::size_t axis = 0; axis < maps.size(); ++axis) {
+      AxisReport& report = sample.report.axis[axis];
+      const std::vector<double>& theta = status.theta[axis];
+      if (!theta.empty() && theta.size() != maps[axis]->parameters().size())
+        throw Error(maps[axis]->path() + ": has " + std::to_string(maps[axis]->parameters().size()) +
+                    " parameters, and " + log.source + " records " + std::to_string(theta.size()));
+      report = {};
+      report.size = static_cast<int>(theta.size());
+      std::copy(theta.begin(), theta.end(), report.theta.begin());
+      report.input = status.input[axis];
+      report.disturbance = status.disturbance[axis];
+      if (theta.empty()) continue;
+      const Lookup lookup = maps[axis]->locate(theta.data());
+      report.lookup = lookup.status;
+      report.outside_parameter = firstOutside(*maps[axis], theta);
+      if (lookup.status == LookupStatus::kInside) report.region = lookup.region;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& given,
                                  double preview_period, double tolerance) {
   MultirotorOptions options = given;
+  const bool is_of_other = isOfOtherVersion(log);
   options.look_ahead = options.look_ahead && maps[0]->period() == preview_period;
   RecordFollower follower(log, maps, options.mass, tolerance);
   std::vector<ReplaySample> samples = replayed(log, maps, options, &follower);
-  if (!follower.isOfAnother()) return samples;
+  if (is_of_other) takeRecorded(log, maps, &samples);
+  if (is_of_other || !follower.isOfAnother()) return samples;
   RecordFollower strict(log, maps, options.mass, tolerance);
   strict.beginTogether();
   return replayed(log, maps, options, &strict);

@@ -1,286 +1,359 @@
 #include "validation/report.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <filesystem>
+#include <iterator>
+#include <locale>
 #include <sstream>
 
-#include "report_page.hpp"
-#include "report_parts.hpp"
+#include "flight_figures.hpp"
 
 namespace polyfly {
 namespace {
 
-std::string percent(double share) {
-  if (share >= 1.0) return "100 %";
-  // Never rounded up to 100.
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f %%", std::floor(share * 1e4) / 1e2);
-  return text;
-}
+using Fault = ReportColumn::Rule;
 
-void writeTile(const std::string& value, const std::string& label, bool good, std::ostream& out) {
-  out << "<div class='tile" << (good ? "" : " bad") << "'><b>" << escaped(value) << "</b><span>"
-      << escaped(label) << "</span></div>\n";
-}
+// Excursions beyond these are in the summary only.
+constexpr std::size_t kShownExcursions = 20;
 
-void writeList(const std::vector<std::string>& sentences, std::ostream& out) {
-  if (sentences.empty()) return;
-  out << "<ul>";
-  for (const std::string& sentence : sentences) out << "<li>" << escaped(sentence) << "</li>";
-  out << "</ul>";
-}
-
-void writeVerdict(const ValidationReport& report, std::ostream& out) {
-  const Verdict verdict = report.verdict();
-  out << "<div class='verdict " << (verdict == Verdict::kPassed ? "good" : "bad") << "'>"
-      << sentenceOn(verdict);
-  writeList(report.broken, out);
-  if (!report.broken.empty() && !report.warnings.empty())
-    out << "The record may not say what it seems to say:";
-  writeList(report.warnings, out);
-  out << "</div>\n";
-}
-
-void writeTiles(const ValidationReport& report, std::ostream& out) {
-  out << "<div class='tiles'>\n";
-  writeTile(number(100.0 * report.tracking.rms) + " cm", "tracking error, root mean square", true, out);
-  writeTile(number(100.0 * report.tracking.max) + " cm", "tracking error, greatest", true, out);
-  writeTile(number(report.top_speed) + " m/s", "top speed", true, out);
-  if (report.hold) {
-    writeTile(number(1000.0 * report.hold->offset.norm()) + " mm", "offset at rest at the end", true, out);
+// The objects of the list `name` of each of `objects`, each with its axis.
+Json rowsBelow(const Json& objects, const std::string& name) {
+  Json rows = Json::array();
+  for (const Json& object : objects) {
+    for (const Json& row : object.at(name)) {
+      rows.push_back(row);
+      rows.back()["axis"] = object.at("axis");
+    }
   }
-  writeTile(std::to_string(report.violationCount()),
-            "commands out of bounds, of " + std::to_string(report.commands.recorded),
-            report.violationCount() == 0, out);
-  writeTile(percent(report.coverage),
-            "of " + std::to_string(report.tracked_samples) + " samples inside the maps; outside for " +
-                number(report.outside_map_time) + " s",
-            report.outside_map_samples == 0, out);
-  writeTile(std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
-            "regions visited", true, out);
-  writeTile(number(report.maxQpDifference(), 2), "greatest difference to the online QP", true, out);
-  const bool exact = report.commands.max_difference == 0.0 && report.commands.compared > 0;
-  writeTile(
-      exact ? "exact" : number(report.commands.max_difference, 2),
-      exact ? "replay: the recorded commands, bit for bit" : "greatest difference to the recorded commands",
-      true, out);
-  writeTile(number(report.lookup_ns.p50) + " ns",
-            "median look-up; 99 % below " + number(report.lookup_ns.p99) + " ns", true, out);
-  if (report.statuses.compared > 0) {
-    writeTile(number(report.statuses.step_ns.p50 / 1000.0, 2) + " µs",
-              "median control step in flight; 99 % below " + number(report.statuses.step_ns.p99 / 1000.0, 2) +
-                  " µs",
-              true, out);
-  }
-  out << "</div>\n";
+  return rows;
 }
 
-void writeRow(const std::string& name, const std::array<std::string, 3>& cells, bool bad, std::ostream& out) {
-  out << "<tr" << (bad ? " class='bad'" : "") << "><td>" << escaped(name) << "</td>";
-  for (const std::string& cell : cells) out << "<td>" << escaped(cell) << "</td>";
-  out << "</tr>\n";
-}
-
-template <class Cell>
-void writeAxisRow(const ValidationReport& report, const std::string& name, Cell cell, bool bad,
-                  std::ostream& out) {
-  writeRow(name, {cell(report.axes[0]), cell(report.axes[1]), cell(report.axes[2])}, bad, out);
-}
-
-// A row of counts that ought to be zero.
-void writeFaultRow(const ValidationReport& report, const std::string& name,
-                   std::size_t AxisValidation::*count, std::ostream& out) {
-  const bool bad = std::any_of(report.axes.begin(), report.axes.end(),
-                               [count](const AxisValidation& axis) { return axis.*count > 0; });
-  writeAxisRow(
-      report, name, [count](const AxisValidation& axis) { return std::to_string(axis.*count); }, bad, out);
-}
-
-void writeAxes(const ValidationReport& report, std::ostream& out) {
-  out << "<section><h2>The three axes in numbers</h2><p>Each axis has its own region map.</p><div "
-         "class='scroll'><table>"
-         "<tr><th></th>";
-  for (const AxisValidation& axis : report.axes) out << "<th>" << escaped(axis.axis) << "</th>";
-  out << "</tr>\n";
-  using Axis = AxisValidation;
-  writeAxisRow(
-      report, "regions in the map", [](const Axis& axis) { return std::to_string(axis.regions()); }, false,
-      out);
-  writeAxisRow(
-      report, "regions visited", [](const Axis& axis) { return std::to_string(axis.visited()); }, false, out);
-  writeAxisRow(
-      report, "samples inside the map",
-      [](const Axis& axis) { return std::to_string(axis.inside) + " of " + std::to_string(axis.samples); },
-      false, out);
-  writeFaultRow(report, "outside: a parameter out of its range", &Axis::outside_box, out);
-  writeFaultRow(report, "outside: in range, but in no region", &Axis::outside_partition, out);
-  writeFaultRow(report, "not finite", &Axis::not_finite, out);
-  writeAxisRow(
-      report, "greatest difference to the online QP",
-      [](const Axis& axis) { return number(axis.qp.max, 2) + " " + axis.input_unit; }, false, out);
-  writeFaultRow(report, "samples that the online QP could not solve", &Axis::qp_failures, out);
-  writeAxisRow(
-      report, "position error, rms", [](const Axis& axis) { return number(axis.tracking.rms) + " m"; }, false,
-      out);
-  writeAxisRow(
-      report, "position error, greatest", [](const Axis& axis) { return number(axis.tracking.max) + " m"; },
-      false, out);
-  writeAxisRow(
-      report, "look-up, median", [](const Axis& axis) { return number(axis.lookup_ns.p50) + " ns"; }, false,
-      out);
-  writeAxisRow(
-      report, "look-up, 99 % below", [](const Axis& axis) { return number(axis.lookup_ns.p99) + " ns"; },
-      false, out);
-  writeAxisRow(
-      report, "look-up, 99.9 % below", [](const Axis& axis) { return number(axis.lookup_ns.p999) + " ns"; },
-      false, out);
-  writeAxisRow(
-      report, "shuffled look-up, median",
-      [](const Axis& axis) { return number(axis.lookup_shuffled_ns.p50) + " ns"; }, false, out);
-  if (report.hold) {
-    const Eigen::Vector3d& offset = report.hold->offset;
-    writeRow("offset at rest",
-             {number(offset.x()) + " m", number(offset.y()) + " m", number(offset.z()) + " m"}, false, out);
-  }
-  out << "</table></div></section>\n";
-}
-
-void writeUse(const ParameterUse& use, std::ostream& out) {
-  const auto place = [&use](double value) {
-    return 100.0 * std::clamp((value - use.lower) / (use.upper - use.lower), 0.0, 1.0);
-  };
-  const bool met = use.least <= use.greatest;
-  const char* bad = use.outside > 0 ? " class='bad'" : "";
-  out << "<span class='name'>" << escaped(use.name) << "</span><span class='left'>" << number(use.lower)
-      << "</span><div class='track'>";
-  if (met) {
-    out << "<i" << bad << " style='left:" << number(place(use.least), 5)
-        << "%;width:" << number(place(use.greatest) - place(use.least), 5) << "%'></i>";
-  }
-  out << "</div><span class='right'>" << number(use.upper) << " " << escaped(use.unit) << "</span><span"
-      << bad << ">" << (use.outside > 0 ? std::to_string(use.outside) + " outside" : "all inside")
-      << "</span>\n";
-}
-
-void writeCoverage(const ValidationReport& report, std::ostream& out) {
-  out << "<section><h2>Coverage</h2><p>What the flight used (blue) of each parameter's range in the maps "
-         "(grey, from the "
-         "number on the left to that on the right).</p><div class='use'>\n";
-  for (const AxisValidation& axis : report.axes) {
-    const double share =
-        axis.samples > 0 ? static_cast<double>(axis.inside) / static_cast<double>(axis.samples) : 0.0;
-    out << "<h3>" << escaped(axis.axis) << ": " << percent(share) << " of the samples inside</h3>\n";
-    for (const ParameterUse& use : axis.parameters) writeUse(use, out);
-  }
-  out << "</div></section>\n";
-}
-
-void writeRecord(const ValidationReport& report, std::ostream& out) {
+std::vector<ReportTile> tilesOn(const ValidationReport& report) {
+  std::vector<ReportTile> tiles = {
+      {number(100.0 * report.tracking.rms) + " cm", "tracking error, root mean square"},
+      {number(100.0 * report.tracking.max) + " cm", "tracking error, greatest"},
+      {number(report.top_speed) + " m/s", "top speed"}};
+  if (report.hold)
+    tiles.push_back({number(1000.0 * report.hold->offset.norm()) + " mm", "offset at rest at the end"});
+  tiles.push_back({std::to_string(report.violationCount()),
+                   "commands out of bounds, of " + std::to_string(report.commands.recorded),
+                   report.violationCount() == 0});
+  tiles.push_back({percent(report.coverage),
+                   "of " + std::to_string(report.tracked_samples) + " samples inside the maps; outside for " +
+                       number(report.outside_map_time) + " s",
+                   report.outside_map_samples == 0});
+  tiles.push_back({std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
+                   "regions visited"});
+  tiles.push_back({number(report.maxQpDifference(), 2), "greatest difference to the online QP"});
   const CommandValidation& commands = report.commands;
-  constexpr const char* kNames[4] = {"roll", "pitch", "yaw rate", "thrust"};
-  constexpr const char* kUnits[4] = {"rad", "rad", "rad/s", "N"};
-  out << "<section><h2>Replay against the record</h2><p>The recorded odometry, run through the same "
-         "controller again: "
-      << commands.compared << " of " << commands.recorded << " recorded commands compared";
-  if (commands.unanswered > 0) out << ", " << commands.unanswered << " odometry messages without a command";
-  if (report.statuses.compared > 0) {
-    out << "; status and regions differ in " << report.statuses.differing << " of "
-        << report.statuses.compared << " samples; one control step took "
-        << number(report.statuses.step_ns.p50 / 1000.0) << " µs in flight (median; 99 % below "
-        << number(report.statuses.step_ns.p99 / 1000.0) << " µs)";
-  }
-  out << ". Its answers: " << answersText(report.statuses.replayed)
-      << ".</p><div class='scroll'><table><tr><th></th><th>greatest difference</th><th>rms</th></tr>\n";
-  for (std::size_t entry = 0; entry < 4; ++entry) {
-    const Difference& difference = commands.difference[entry];
-    out << "<tr><td>" << kNames[entry] << "</td><td>" << number(difference.max, 2) << " " << kUnits[entry]
-        << "</td><td>" << number(difference.rms, 2) << " " << kUnits[entry] << "</td></tr>\n";
-  }
-  out << "</table></div></section>\n";
+  const bool exact = commands.max_difference == 0.0;
+  tiles.push_back({exact ? "exact" : number(commands.max_difference, 2),
+                   exact ? "replay: the recorded commands, bit for bit"
+                         : "greatest difference to the recorded commands"});
+  if (commands.compared == 0) tiles.back() = {"–", "no command is compared with a replay", false};
+  tiles.push_back({number(report.lookup_ns.p50) + " ns",
+                   "median look-up; 99 % below " + number(report.lookup_ns.p99) + " ns"});
+  if (!report.statuses.step_ns.max) return tiles;
+  tiles.push_back({number(report.statuses.step_ns.p50 / 1000.0, 2) + " µs",
+                   "median control step in flight; 99 % below " +
+                       number(report.statuses.step_ns.p99 / 1000.0, 2) + " µs"});
+  return tiles;
 }
 
-void writeHead(const ValidationReport& report, std::ostream& out) {
-  out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
-         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Flight "
-         "report</title><style>"
-      << kReportStyle << "</style></head><body><main>\n<h1>Flight report</h1>\n<p class='source'>"
-      << escaped(std::filesystem::path(report.source).filename().string()) << " · " << number(report.duration)
-      << " s · " << report.samples << " samples";
-  if (report.share) out << "<br>Read: " << escaped(describe(*report.share));
-  out << "</p>\n";
+std::string orElse(const Json& text, const std::string& otherwise) {
+  return text.get<std::string>().empty() ? otherwise : text.get<std::string>();
 }
 
-void writeFlights(const std::vector<ValidationReport>& flights, std::ostream& out) {
-  out << "<section><h2>The flights</h2><div "
-         "class='scroll'><table><tr><th>flight</th><th>samples</th><th>inside the "
-         "maps</th><th>tracking error, rms</th><th>regions visited</th><th>verdict</th></tr>\n";
-  for (std::size_t index = 0; index < flights.size(); ++index) {
-    const ValidationReport& report = flights[index];
-    const bool good = report.verdict() == Verdict::kPassed;
-    out << "<tr" << (good ? "" : " class='bad'") << "><td><a href='flight_" << index + 1 << "/index.html'>"
-        << escaped(std::filesystem::path(report.source).filename().string()) << "</a></td><td>"
-        << report.samples << "</td><td>" << percent(report.coverage) << "</td><td>"
-        << number(100.0 * report.tracking.rms) << " cm</td><td>" << report.visitedCount() << " of "
-        << report.regionCount() << "</td><td>" << nameOf(report.verdict()) << "</td></tr>\n";
+void addParameters(const Json& parameters, std::vector<ReportSection>* sections) {
+  ReportSection section = {"Parameters in force"};
+  if (parameters.is_null()) {
+    section.sentences = {
+        "The bag does not tell them: record the topic parameters_in_force of the controller."};
+    sections->push_back(section);
+    return;
   }
-  out << "</table></div></section>\n";
+  section.sentences = {
+      "Told when the first command was sent; rosparam load reads parameters_in_force.yaml beside the page.",
+      "law " + wordsOn(parameters["law"]) + ", told by " + wordsOn(parameters["node"]) + ", version " +
+          orElse(parameters["version"], "unknown"),
+      "calibrated options: " + orElse(parameters["provenance"], "no provenance is stated")};
+  section.table = tableOf(parameters["axes"], {{"axis", "/axis"},
+                                               {"map", "/map"},
+                                               {"checksum", "/map_checksum"},
+                                               {"problem (none: made of the options)", "/problem"},
+                                               {"calibrated", "/calibration"}});
+  if (parameters["changes"].empty()) section.sentences.push_back("Nothing changed after the first command.");
+  sections->push_back(section);
+  if (parameters["changes"].empty()) return;
+  sections->push_back(
+      {"Changed in flight",
+       {},
+       {},
+       tableOf(parameters["changes"], {{"at [s]", "/at_s"}, {"by", "/cause"}, {"what", "/parameters"}}),
+       {}});
 }
 
-void writeMapPages(const std::vector<ReportLink>& links, std::ostream& out) {
-  if (links.empty()) return;
-  out << "<section><h2>Explore the maps</h2><p>A page for each map, with slices, this flight's samples and "
-         "simulated flights:";
-  const char* separator = " ";
-  for (const ReportLink& link : links) {
-    out << separator << "<a href='" << escaped(link.address) << "'>" << escaped(link.text) << "</a>";
-    separator = ", ";
+void addExcursions(const Json& axes, std::vector<ReportSection>* sections) {
+  Json rows = rowsBelow(axes, "excursions");
+  if (rows.empty()) return;
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Json& one, const Json& other) { return one["samples"] > other["samples"]; });
+  ReportSection section = {"Where the flight left the map",
+                           {"Stretches outside a map, the longest first, and what the controller did."}};
+  if (rows.size() > kShownExcursions) {
+    section.sentences.push_back("And " + std::to_string(rows.size() - kShownExcursions) +
+                                " shorter ones, in summary.json.");
+    rows.erase(rows.begin() + kShownExcursions, rows.end());
   }
-  out << ".</p></section>\n";
+  for (Json& row : rows) {
+    std::ostringstream time;
+    time.imbue(std::locale::classic());
+    time.precision(12);
+    time << row["from_s"].get<double>();
+    row["from"] = time.str();
+    row["length"] = row["to_s"].get<double>() - row["from_s"].get<double>();
+  }
+  section.table = tableOf(rows, {{"axis", "/axis"},
+                                 {"from [s]", "/from"},
+                                 {"for [s]", "/length"},
+                                 {"samples", "/samples"},
+                                 {"why", "/cause"},
+                                 {"parameter", "/parameter"},
+                                 {"beyond its range by", "/beyond"},
+                                 {"unit", "/unit"},
+                                 {"answers", "/status"}});
+  sections->push_back(section);
 }
 
-// What follows the pictures.
-void writeNumbers(const ValidationReport& report, std::ostream& out) {
-  writeCoverage(report, out);
-  writeExcursions(report, out);
-  writeProposals(report, out);
-  writeComparisons(report, out);
-  writeAxes(report, out);
-  writeRecord(report, out);
-  out << kPageEnd;
+void addProposals(const Json& proposals, std::vector<ReportSection>* sections) {
+  if (proposals.empty()) return;
+  ReportSection section = {
+      "Ranges that would have covered the flight",
+      {"They hold all that the flight met, with a tenth beyond where an end was passed."}};
+  for (const Json& proposal : proposals) {
+    const std::string axis = proposal["axis"].get<std::string>() + ": ";
+    if (proposal["samples_without_solution"] > 0)
+      section.sentences.push_back(axis + proposal["samples_without_solution"].dump() +
+                                  " samples lay in range, but had no solution: no range covers them.");
+    if (!proposal["obstacle"].get<std::string>().empty())
+      section.sentences.push_back(axis + wordsOn(proposal["obstacle"]));
+  }
+  section.table = tableOf(rowsBelow(proposals, "changes"), {{"axis", "/axis"},
+                                                            {"parameter", "/parameter"},
+                                                            {"unit", "/unit"},
+                                                            {"range", "/from"},
+                                                            {"proposed", "/to"}});
+  sections->push_back(section);
+}
+
+void addComparisons(const Json& comparisons, std::vector<ReportSection>* sections) {
+  if (comparisons.empty()) return;
+  sections->push_back(
+      {"Other maps on this flight",
+       {"Looked up at the same parameters as the map that flew; the flight that they would have flown is "
+        "another."},
+       {},
+       tableAcross(comparisons, "/map",
+                   {{"axis", "/axis"},
+                    {"samples", "/samples"},
+                    {"inside", "/inside"},
+                    {"inside only the flown one", "/inside_only_flown"},
+                    {"inside only this one", "/inside_only_other"},
+                    {"regions", "/regions"},
+                    {"regions visited", "/regions_visited"},
+                    {"unit of the input", "/unit"},
+                    {"greatest difference to the flown one", "/difference/max"},
+                    {"root mean square of it", "/difference/rms"},
+                    {"greatest difference to its online QP", "/qp_difference/max"},
+                    {"median look-up [ns]", "/lookup_ns/p50"}}),
+       {}});
+}
+
+ReportSection axesSection(const Json& axes) {
+  return {"The three axes in numbers",
+          {"Each axis has its own region map. Distances are in ranges scaled to -1 .. 1."},
+          {},
+          tableAcross(axes, "/axis",
+                      {{"regions in the map", "/regions"},
+                       {"regions visited", "/regions_visited"},
+                       {"samples", "/samples"},
+                       {"inside the map", "/inside"},
+                       {"outside: a parameter out of its range", "/outside_box", Fault::kZero},
+                       {"outside: in range, but in no region", "/outside_partition", Fault::kZero},
+                       {"not finite", "/not_finite", Fault::kZero},
+                       {"distance to the nearest face, least", "/face_distance/least"},
+                       {"distance to the edge of the map, least", "/edge_distance/least"},
+                       {"along", "/edge_distance/parameter"},
+                       {"compared with the online QP", "/qp_compared"},
+                       {"greatest difference to it", "/qp_difference/max"},
+                       {"unit of the input", "/input_unit"},
+                       {"samples that it could not solve", "/qp_failures", Fault::kZero},
+                       {"position error, rms [m]", "/tracking_m/rms"},
+                       {"position error, greatest [m]", "/tracking_m/max"},
+                       {"look-up, median [ns]", "/lookup_ns/p50"},
+                       {"look-up, 99 % below [ns]", "/lookup_ns/p99"},
+                       {"look-up, 99.9 % below [ns]", "/lookup_ns/p99_9"},
+                       {"shuffled look-up, median [ns]", "/lookup_shuffled_ns/p50"}}),
+          {}};
+}
+
+ReportSection recordSection(const Json& json) {
+  const Json& commands = json["commands"];
+  const Json& status = json["status"];
+  const auto told = [](const Json& counts) {
+    Json met = Json::object();
+    for (const auto& [name, count] : counts.items()) {
+      if (count > 0) met[name] = count;
+    }
+    return wordsOn(met);
+  };
+  ReportSection section = {"Replay against the record"};
+  section.sentences = {
+      commands["compared"].dump() + " of " + commands["recorded"].dump() + " recorded commands compared, " +
+          commands["unmatched"].dump() + " answer no odometry, " + commands["unanswered"].dump() +
+          " odometry messages without a command. Out of bounds: " + wordsOn(commands["violations"]) + ".",
+      "Status and regions differ in " + status["differing"].dump() + " of " + status["compared"].dump() +
+          " samples, parameters by up to " + wordsOn(status["max_theta_difference"]) +
+          ". Recorded inputs differ from the maps' laws at the recorded parameters by up to " +
+          wordsOn(status["max_input_difference"]) + ".",
+      "Answers of the replay: " + told(status["replayed"]) + ". Recorded: " + told(status["recorded"]) + "."};
+  if (!json["hold"].is_null())
+    section.sentences.push_back("At rest at the end: offset " + wordsOn(json["hold"]["offset_m"]) +
+                                " m, disturbance estimate " +
+                                wordsOn(json["hold"]["disturbance_estimate_m_s2"]) + " m/s², true one " +
+                                wordsOn(json["hold"]["disturbance_m_s2"]) + ".");
+  Json rows = Json::array();
+  for (const auto& [name, difference] : commands["difference"].items()) {
+    rows.push_back(difference);
+    rows.back()["command"] = name;
+  }
+  section.table = tableOf(
+      rows, {{"recorded − replayed", "/command"}, {"greatest", "/max"}, {"rms", "/rms"}, {"unit", "/unit"}});
+  return section;
 }
 
 }  // namespace
 
-std::string toHtml(const ReportContent& content) {
-  std::ostringstream out;
-  writeHead(content.validation, out);
-  writeVerdict(content.validation, out);
-  writeTiles(content.validation, out);
-  writeMapPages(content.map_pages, out);
-  const std::vector<ReportFigure> figures = reportFigures(content);
-  for (const ReportFigure& figure : figures) {
-    writeFigureSection(figure, out);
+const char* sentenceOn(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPassed:
+      return "Passed: the maps held the flight, and the record agrees with them. Nothing is said of regions "
+             "that were not visited.";
+    case Verdict::kDoubtful:
+      return "Doubtful: the maps held what was read of the flight, but the record may not say what it seems "
+             "to say.";
+    case Verdict::kFailed:
+      return "Failed: the flight breaks a rule.";
   }
-  writeParameters(content.validation, out);
-  writeNumbers(content.validation, out);
-  return out.str();
+  return "";
+}
+
+std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds) {
+  std::vector<std::string> broken;
+  // Written so that a NaN breaks its threshold.
+  const auto check = [&broken](bool good, const std::string& what, double value, const char* rule,
+                               double limit) {
+    if (good) return;
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << what << " is " << value << ", " << rule << " " << limit;
+    broken.push_back(text.str());
+  };
+  const bool is_known = report.incomparable.empty();
+  check((report.tracked_samples == 0 && !is_known) || report.coverage >= thresholds.min_coverage, "coverage",
+        report.coverage, "must be at least", thresholds.min_coverage);
+  check(report.maxQpDifference() <= thresholds.max_qp_difference, "difference to the online QP",
+        report.maxQpDifference(), "must be at most", thresholds.max_qp_difference);
+  check(report.commands.max_difference <= thresholds.max_command_difference,
+        "difference to the recorded commands", report.commands.max_difference, "must be at most",
+        thresholds.max_command_difference);
+  const bool is_other = !is_known && report.incomparable.front().cause == Ignorance::kVersion;
+  check(!is_other || report.statuses.max_input_difference <= kLawTolerance,
+        "difference of the recorded inputs to the maps' laws", report.statuses.max_input_difference,
+        "must be at most", kLawTolerance);
+  check(report.violationCount() <= thresholds.max_violations, "number of commands out of bounds",
+        static_cast<double>(report.violationCount()), "must be at most",
+        static_cast<double>(thresholds.max_violations));
+  check(report.tracked_samples > 0 || !is_known, "number of samples with a reference", 0.0,
+        "must be at least", 1.0);
+  check(report.commands.compared > 0 || !is_known, "number of commands that answer a recorded odometry", 0.0,
+        "must be at least", 1.0);
+  std::size_t failures = 0;
+  for (const AxisValidation& axis : report.axes) failures += axis.qp_failures;
+  check(failures == 0, "number of samples in the map without an online solution",
+        static_cast<double>(failures), "must be at most", 0.0);
+  return broken;
+}
+
+Report reportOn(const ValidationReport& report) {
+  const Json json = jsonOf(report);
+  Report page;
+  page.title = "Flight report";
+  page.sources = {fileName(report.source) + " · " + number(report.duration) + " s · " +
+                  std::to_string(report.samples) + " samples"};
+  if (report.share) page.sources.push_back("Read: " + describe(*report.share));
+  page.good = report.verdict() == Verdict::kPassed;
+  page.verdict = sentenceOn(report.verdict());
+  page.reasons = report.broken;
+  page.reasons.insert(page.reasons.end(), report.warnings.begin(), report.warnings.end());
+  page.tiles = tilesOn(report);
+  addParameters(json["parameters"], &page.sections);
+  page.sections.push_back(
+      {"Coverage",
+       {"What the flight used of each parameter's range in the maps. Room: how far it "
+        "could still have moved alone before its map ended."},
+       {},
+       tableOf(rowsBelow(json["axes"], "parameters"), {{"axis", "/axis"},
+                                                       {"parameter", "/name"},
+                                                       {"unit", "/unit"},
+                                                       {"from", "/lower"},
+                                                       {"to", "/upper"},
+                                                       {"least", "/least"},
+                                                       {"greatest", "/greatest"},
+                                                       {"room", "/room"},
+                                                       {"outside", "/outside", Fault::kZero}}),
+       {}});
+  addExcursions(json["axes"], &page.sections);
+  addProposals(json["proposals"], &page.sections);
+  addComparisons(json["comparisons"], &page.sections);
+  page.sections.push_back(axesSection(json["axes"]));
+  page.sections.push_back(recordSection(json));
+  return page;
+}
+
+Report reportOn(const ReportContent& content) {
+  Report page = reportOn(content.validation);
+  std::vector<ReportSection> sections;
+  if (!content.map_pages.empty())
+    sections.push_back({"Explore the maps",
+                        {"A page for each map, with slices, this flight's samples and simulated flights:"},
+                        content.map_pages,
+                        {},
+                        {}});
+  for (ReportSection& figure : flightFigures(content)) sections.push_back(std::move(figure));
+  page.sections.insert(page.sections.begin(), std::make_move_iterator(sections.begin()),
+                       std::make_move_iterator(sections.end()));
+  return page;
 }
 
 void writeReport(const ReportContent& content, const std::string& folder) {
-  writePage(folder, toHtml(content), "summary.json", toJson(content.validation));
+  writePage(folder, reportOn(content), "summary.json", dumped(jsonOf(content.validation)));
 }
 
 void writeOverview(const std::vector<ValidationReport>& flights, const ValidationReport& all,
                    const std::string& folder) {
-  std::ostringstream out;
-  writeHead(all, out);
-  writeVerdict(all, out);
-  writeTiles(all, out);
-  writeFlights(flights, out);
-  writeNumbers(all, out);
-  writePage(folder, out.str(), "summary.json", toJson(all, flights));
+  const Json json = jsonOf(all, flights);
+  Report page = reportOn(all);
+  ReportSection section = {"The flights"};
+  for (std::size_t i = 0; i < flights.size(); ++i)
+    section.links.push_back({fileName(flights[i].source), "flight_" + std::to_string(i + 1) + "/index.html"});
+  section.table = tableOf(json["flights"], {{"flight", "/source"},
+                                            {"samples", "/samples"},
+                                            {"share inside the maps", "/coverage"},
+                                            {"tracking error, rms [m]", "/tracking_rms_m"},
+                                            {"regions visited", "/regions_visited"},
+                                            {"verdict", "/verdict"}});
+  page.sections.insert(page.sections.begin(), section);
+  writePage(folder, page, "summary.json", dumped(json));
 }
 
 }  // namespace polyfly

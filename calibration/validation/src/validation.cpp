@@ -26,7 +26,11 @@ std::vector<double> stampsOf(const std::vector<ReplaySample>& samples) {
   return stamps;
 }
 
-std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<ReplaySample>& samples) {
+std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<ReplaySample>& all) {
+  std::vector<ReplaySample> samples;
+  for (const ReplaySample& sample : all) {
+    if (sample.is_known) samples.push_back(sample);
+  }
   std::size_t first = samples.size();
   while (
       first > 0 && rests(samples[first - 1]) &&
@@ -62,25 +66,29 @@ std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<Rep
   return hold;
 }
 
-void validateTracking(const std::vector<ReplaySample>& samples, ValidationReport* report) {
-  DifferenceCollector tracking;
+bool isOutside(const ReplaySample& sample) {
+  const auto outside = [](const AxisReport& axis) { return axis.lookup != LookupStatus::kInside; };
+  return std::any_of(sample.report.axis.begin(), sample.report.axis.end(), outside);
+}
+
+void addTracking(const std::vector<ReplaySample>& samples, double duration, DifferenceCollector* tracking,
+                 ValidationReport* report) {
+  std::size_t outside = 0;
   for (const ReplaySample& sample : samples) {
+    if (!sample.is_known) continue;
     report->top_speed = std::max(report->top_speed, sample.state.velocity.norm());
     if (!sample.has_reference) continue;
     ++report->tracked_samples;
-    tracking.add((sample.state.position - sample.reference.position).norm(), sample.state.stamp);
-    const auto outside = [](const AxisReport& axis) { return axis.lookup != LookupStatus::kInside; };
-    if (std::any_of(sample.report.axis.begin(), sample.report.axis.end(), outside))
-      ++report->outside_map_samples;
+    tracking->add((sample.state.position - sample.reference.position).norm(), sample.state.stamp);
+    if (isOutside(sample)) ++outside;
   }
-  report->tracking = tracking.result();
-  if (report->tracked_samples > 0) {
-    report->coverage =
-        1.0 - static_cast<double>(report->outside_map_samples) / static_cast<double>(report->tracked_samples);
-  }
+  report->outside_map_samples += outside;
+  if (samples.size() > 1)
+    report->outside_map_time +=
+        duration * static_cast<double>(outside) / static_cast<double>(samples.size() - 1);
 }
 
-std::vector<IncomparableStretch> incomparableStretches(const std::vector<ReplaySample>& samples) {
+void addStretches(const std::vector<ReplaySample>& samples, std::vector<IncomparableStretch>* all) {
   std::vector<IncomparableStretch> stretches;
   const ReplaySample* before = nullptr;
   for (const ReplaySample& sample : samples) {
@@ -94,7 +102,7 @@ std::vector<IncomparableStretch> incomparableStretches(const std::vector<ReplayS
     }
     before = &sample;
   }
-  return stretches;
+  all->insert(all->end(), stretches.begin(), stretches.end());
 }
 
 }  // namespace
@@ -127,46 +135,47 @@ std::size_t ValidationReport::violationCount() const {
 
 bool ValidationReport::isWhole() const { return (!share || share->isWhole()) && incomparable.empty(); }
 
-ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker) {
+ValidationReport validate(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps,
+                          const OracleMaker& maker) {
   ValidationReport report;
-  report.source = log.source;
-  report.share = log.share;
-  report.samples = samples.size();
-  report.duration = durationOf(stampsOf(samples));
-  report.incomparable = incomparableStretches(samples);
-  // Copies only where something is left out.
-  const bool are_all = report.incomparable.empty();
-  std::vector<ReplaySample> some_known, some_compared;
-  for (const ReplaySample& sample : samples) {
-    if (!are_all && sample.is_known) some_known.push_back(sample);
-    if (!are_all && !sample.ignorance) some_compared.push_back(sample);
+  const ReplayedFlight& first = flights.front();
+  report.source = flights.size() == 1 ? first.log.source : std::to_string(flights.size()) + " flights";
+  report.share = first.log.share;
+  DifferenceCollector tracking;
+  for (const ReplayedFlight& flight : flights) {
+    const std::optional<RecordingShare>& share = flight.log.share;
+    if (&flight != &first)
+      report.share = report.share && share ? std::optional(together(*report.share, *share)) : std::nullopt;
+    report.samples += flight.samples.size();
+    const double duration = durationOf(stampsOf(flight.samples));
+    report.duration += duration;
+    addStretches(flight.samples, &report.incomparable);
+    addTracking(flight.samples, duration, &tracking, &report);
   }
-  const std::vector<ReplaySample>& known = are_all ? samples : some_known;
-  const std::vector<ReplaySample>& compared = are_all ? samples : some_compared;
-  validateTracking(known, &report);
-  if (samples.size() > 1) {
-    report.outside_map_time = report.duration * static_cast<double>(report.outside_map_samples) /
-                              static_cast<double>(samples.size() - 1);
+  report.tracking = tracking.result();
+  if (report.tracked_samples > 0) {
+    report.coverage =
+        1.0 - static_cast<double>(report.outside_map_samples) / static_cast<double>(report.tracked_samples);
   }
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
-    report.axes[axis] = validateAxis(log, known, *maps[axis], axis, maker);
+    report.axes[axis] = validateAxis(flights, *maps[axis], axis, maker);
     const std::vector<double>& times = report.axes[axis].lookups.in_order;
     lookups.insert(lookups.end(), times.begin(), times.end());
   }
   report.lookup_ns = percentiles(lookups);
-  report.commands = validateCommands(log, compared, options);
-  report.statuses = validateStatuses(log, compared);
-  report.warnings = recordWarnings(log, report);
-  const std::vector<std::string> of_flight = flightWarnings(log, compared, maps, options);
-  report.warnings.insert(report.warnings.end(), of_flight.begin(), of_flight.end());
-  report.parameters = parametersTold(log);
+  report.commands = validateCommands(flights);
+  report.statuses = validateStatuses(flights, maps);
+  if (flights.size() > 1) return report;
+  report.parameters = parametersTold(first.log);
+  report.hold = holdOffset(first.log, first.samples);
+  report.warnings = recordWarnings(first.log, report);
+  std::vector<std::string> more = flightWarnings(first);
   if (report.parameters) {
-    const std::vector<std::string> of_parameters = parameterWarnings(*report.parameters, maps, options);
-    report.warnings.insert(report.warnings.end(), of_parameters.begin(), of_parameters.end());
+    const std::vector<std::string> told = parameterWarnings(*report.parameters, maps, first.options);
+    more.insert(more.end(), told.begin(), told.end());
   }
-  report.hold = holdOffset(log, known);
+  report.warnings.insert(report.warnings.end(), more.begin(), more.end());
   return report;
 }
 

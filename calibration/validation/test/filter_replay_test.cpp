@@ -83,7 +83,7 @@ bool mentions(const FilterValidation& validation, const std::string& part) {
 TEST_F(FilterReplayTest, RepeatsWhatTheFilterDidInFlight) {
   for (const double delay : {0.0, 0.04}) {
     const FilterValidation result = judge(fly(true, delay), delay);
-    EXPECT_TRUE(result.hasPassed()) << toText(result);
+    EXPECT_TRUE(result.hasPassed()) << toText(reportOn(result));
     ASSERT_TRUE(result.comparison);
     EXPECT_EQ(result.comparison->compared, kPeriods);
     EXPECT_EQ(result.comparison->differing, 0u);

@@ -234,6 +234,7 @@ void FlightRecorder::record(double stamp) {
   status.step_time = 1e-6;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     status.region[axis] = report.axis[axis].region;
+    status.input[axis] = report.axis[axis].input;
     const auto begin = report.axis[axis].theta.begin();
     status.theta[axis].assign(begin, begin + report.axis[axis].size);
   }

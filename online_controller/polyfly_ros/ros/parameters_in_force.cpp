@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "polyfly_base/version.hpp"
+
 namespace polyfly_ros {
 namespace {
 
@@ -33,6 +35,7 @@ void ParametersInForce::publish() {
   const std::string space = polyfly::kInForceGroup;
   polyfly::OptionsText text;
   text.text(space + "/node", node_);
+  text.text(space + "/version", polyfly::kVersion);
   text.text(space + "/vehicle", vehicle_);
   text.text(space + "/change", causes_);
   write_(text);

@@ -30,7 +30,7 @@ struct AutopilotSignals {
 /// - vx, vy, vz, vn, ve: vehicle_local_position.vx ...; XKF1.VN ..., else NKF1, EKF1,
 ///   else GPS.Spd, .GCrs, .VZ
 /// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed, else NTUN.Arspd
-/// - to check the others: gyro and the rest of the accelerometer, of sensor_combined and IMU; height, of
+/// - to check the others: gyro, of sensor_combined and IMU; height, of
 ///   vehicle_local_position.z and XKF1.PD, else NKF1, EKF1, else GPS.Alt
 ///
 /// The kind of vehicle is that of vehicle_status, and of the messages that only ArduPlane or ArduCopter writes.

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "identification/calibration_file.hpp"
 #include "identification/identify_axis.hpp"
-#include "identification/provenance.hpp"
 #include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
@@ -23,16 +23,16 @@ struct AttitudeCalibration {
   std::vector<std::string> failed;   ///< sentences: axes that could not be identified
 };
 
-/// The numbers as YAML, keys explained in README.md. The same input gives the same bytes.
-std::string toYaml(const AttitudeCalibration& calibration);
+/// The content of the calibration file, keys explained in README.md.
+Json jsonOf(const AttitudeCalibration& calibration);
 
 /// The numbers for people, with the warnings.
 std::string toText(const AttitudeCalibration& calibration);
 
+/// The page, with the intervals used, and measurement, models and residuals for identification and validation.
+Report reportOn(const AttitudeCalibration& calibration);
+
 /// The answer on an axis in one line, and in another one how sure it is.
 std::string answerOf(const AxisModel& axis);
-
-/// What was left out of the axis, a clause for each reason; of several flights with the file.
-std::vector<std::string> leftOutClauses(const AxisModel& axis);
 
 }  // namespace polyfly

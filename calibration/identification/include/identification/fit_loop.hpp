@@ -58,8 +58,6 @@ struct LoopFit {
   double lag_delay_covariance = 0.0;
   /// Fit 100 (1 - |y - model| / |y - mean y|) over all segments [%].
   double fit_percent = 0.0;
-  /// Root mean square of the residuals, in the response's unit.
-  double residual_rms = 0.0;
   /// Robust standard deviation of the residuals.
   double residual_scale = 0.0;
   std::size_t samples = 0;
@@ -79,7 +77,6 @@ LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& opti
 /// The same model on other segments: shape, gain and offset stay, initial states are fitted.
 struct LoopPrediction {
   double fit_percent = 0.0;
-  double residual_rms = 0.0;
   /// Predicted response of each segment.
   std::vector<std::vector<double>> prediction;
 };

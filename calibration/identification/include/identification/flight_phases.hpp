@@ -9,11 +9,9 @@ namespace polyfly {
 
 /// Finds the stretches in which the vehicle does not fly, in order of time, without overlap, with reasons.
 ///
-/// - Upset: it tilts far beyond what was commanded, turns faster than commanded (by attitude or gyro), or falls
-///   freely (accelerometer). An impact next to an upset belongs to it, and so does what follows until the vehicle
-///   flies as commanded for some seconds, or to the end if it rests.
-/// - Ground, unless `on_ground`: it stands by at least two of: throttle at its least, no speed, attitude at rest,
-///   height at its least, accelerometer at rest. A throttle that is not at its least contradicts.
+/// - Upset: it tilts far beyond what was commanded. Rest that follows soon belongs to it.
+/// - Ground, unless `on_ground`: throttle at its least, with no speed or with the attitude at rest. Without a throttle:
+///   attitude at rest, no speed, and height at its least.
 ///
 /// What a signal would tell is left out of the judgement where the signal is not there. No stretch is found where
 /// neither attitude nor velocity is sampled at least twice per second. The times of the signals may jump.

@@ -24,10 +24,9 @@ namespace polyfly {
 /// | vx, vy, vz | in W [m/s] |
 /// | vn, ve, airspeed | velocity over ground to north and east, speed through the air [m/s] |
 /// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
-/// | specific_force_x, specific_force_y | along the body's x and y, by the accelerometer [m/s^2] |
 /// | height | up positive, above any level [m] |
 ///
-/// Rates of the gyro, specific_force_x and _y, and the height serve to check the others only: units
+/// Rates of the gyro and the height serve to check the others only: units
 /// (signal_units.hpp), and where the vehicle flies (flight_phases.hpp).
 struct FlightSignals {
   /// File that the signals come from.
@@ -52,6 +51,12 @@ struct FlightSignals {
   /// Throws Error naming source, signal, and the option that chooses one.
   const TimeSeries& at(const std::string& name) const;
 };
+
+/// Radians of a degree.
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+
+/// Roll, pitch or yaw of a quaternion, by the name of the angle; NaN for another name [rad].
+double angleOf(double w, double x, double y, double z, const std::string& angle);
 
 /// From the first to the last sample, on the flight's own clock [s]; from infinity to minus infinity without one.
 TimeWindow spanOf(const FlightSignals& flight);

@@ -91,6 +91,9 @@ TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts);
 /// The same, where nobody asks what was taken out.
 TimeSeries cleaned(const TimeSeries& series);
 
+/// The straight line between neighbouring samples; the first and last value beyond them. Not empty.
+double interpolated(const TimeSeries& series, double time);
+
 /// Seconds between neighbouring samples, the median of those up to `longest`; 0 if there are none.
 double typicalPeriod(const TimeSeries& series, double longest = std::numeric_limits<double>::infinity());
 

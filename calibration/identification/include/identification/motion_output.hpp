@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "identification/calibration_file.hpp"
 #include "identification/motion.hpp"
-#include "identification/provenance.hpp"
 #include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
@@ -30,11 +30,13 @@ struct MotionCalibration {
   std::vector<std::pair<std::string, TimeSeries>> record;
 };
 
-/// As YAML; `disturbances` of a bound has the form that problem and model files take. The same input gives
-/// the same bytes.
-std::string toYaml(const MotionCalibration& calibration);
+/// The content of the calibration file; `disturbances` of a bound has the form that problem and model files take.
+Json jsonOf(const MotionCalibration& calibration);
 
 /// For people.
 std::string toText(const MotionCalibration& calibration);
+
+/// The page, with the data used, measurement and model over time, and what is left.
+Report reportOn(const MotionCalibration& calibration);
 
 }  // namespace polyfly

@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "report/report.hpp"
 #include "validation/filter_replay.hpp"
 
 namespace polyfly {
 
 constexpr int kFilterStatusCount = 5;
+constexpr std::array<const char*, 3> kFilterAxes = {"x", "y", "z"};
 
 /// A stretch of time in which the filter changed the commands of one axis.
 struct FilterAction {
@@ -77,11 +79,11 @@ struct FilterValidation {
 FilterValidation validateFilter(const FilterLog& log, const FilterReplay& replay,
                                 const CommandFilter& filter);
 
-std::string toText(const FilterValidation& validation);
-std::string toJson(const FilterValidation& validation);
+/// The content of `summary.json`, keys explained in README.md.
+Json jsonOf(const FilterValidation& validation);
 
-/// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.
-std::string toHtml(const FilterValidation& validation, const FilterReplay& replay);
+/// What page and console show, without pictures.
+Report reportOn(const FilterValidation& validation);
 
 /// Writes `index.html` and `summary.json` into the folder, which is made where it is missing. Throws Error naming the file.
 void writeFilterReport(const FilterValidation& validation, const FilterReplay& replay,

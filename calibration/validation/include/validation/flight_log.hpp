@@ -54,6 +54,10 @@ struct FlightLog {
     std::array<std::int64_t, 3> region{{-1, -1, -1}};
     /// Parameters of each axis, as assembled in flight.
     std::array<std::vector<double>, 3> theta;
+    /// Input of each axis, before anything of the vehicle is corrected [rad or m/s^2].
+    std::array<double, 3> input{};
+    /// The observer's estimate for each axis [m/s^2].
+    std::array<double, 3> disturbance{};
     /// Wall time of the control step in flight [s].
     double step_time = 0.0;
   };

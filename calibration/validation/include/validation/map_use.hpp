@@ -90,9 +90,6 @@ struct MapUse {
   std::vector<std::uint32_t> neverVisited() const;
   /// Share of the samples inside; 0 if there are no samples.
   double share() const;
-
-  /// Adds another flight's use of the same map.
-  void add(const MapUse& other);
 };
 
 /// Where one sample lies.

@@ -38,6 +38,8 @@ struct ParametersTold {
   };
 
   std::string node;
+  /// Version of the controller; empty: it did not tell, as before 0.3.0.
+  std::string version;
   std::string law;
   /// Where numbers of the options come from; empty: nobody said.
   std::string provenance;
@@ -50,6 +52,9 @@ struct ParametersTold {
 
 /// None where nothing was recorded. Throws Error when a text is no YAML of a node.
 std::optional<ParametersTold> parametersTold(const FlightLog& log);
+
+/// Whether another version flew. False where nobody told parameters.
+bool isOfOtherVersion(const FlightLog& log);
 
 /// The options of the controller in such a text. Throws Error naming key and rule.
 MultirotorOptions optionsInForce(const ParametersTold& told);

@@ -33,6 +33,7 @@ enum class Ignorance {
   kBegun,    ///< the recording begins in flight
   kMissing,  ///< a part of the recording is missing
   kAltered,  ///< the recorded odometry is not that which the controller answered
+  kVersion,  ///< another version flew, whose estimators are not at hand
 };
 
 /// One control step of the replay.
@@ -49,6 +50,13 @@ struct ReplaySample {
   bool is_known = true;
 };
 
+/// A flight with its replay. References: they must stay valid while it is judged.
+struct ReplayedFlight {
+  const FlightLog& log;
+  const std::vector<ReplaySample>& samples;
+  const MultirotorOptions& options;
+};
+
 /// Runs the controller of the nodelet over the log once more. One sample for each odometry message that the
 /// recorded commands answer, in order: what the node never saw would spoil its observer here. Where no
 /// command bears the stamp of any odometry, one for each. As in the node, maps look ahead only where their sampling time is
@@ -56,7 +64,8 @@ struct ReplaySample {
 ///
 /// Behind a hole of the record, where it begins in flight, and at altered odometry the replay does not know what the
 /// controller knew. It goes on from what was sent, and counts again once 50 commands in a row agree up to `tolerance`
-/// [rad, rad/s, m/s^2]. Throws Error when a map does not fit or an option is out of range.
+/// [rad, rad/s, m/s^2]. Of a flight of another version the samples have the parameters, regions and statuses that were
+/// recorded; no command of it can be compared. Throws Error when a map does not fit or an option is out of range.
 std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& options,
                                  double preview_period = kPreviewPeriod,
                                  double tolerance = kCommandTolerance);

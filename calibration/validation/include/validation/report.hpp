@@ -3,19 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "map_plot/figure.hpp"
 #include "validation/flight_log.hpp"
 #include "validation/replay.hpp"
 #include "validation/validation.hpp"
 
 namespace polyfly {
-
-/// A link to a page beside the report.
-struct ReportLink {
-  std::string text;
-  /// Relative to the report, escaped as in a URL.
-  std::string address;
-};
 
 /// The content of a report. References: they must stay valid until the report is written.
 struct ReportContent {
@@ -28,18 +20,8 @@ struct ReportContent {
   std::vector<ReportLink> map_pages = {};
 };
 
-/// A picture with the sentence under it.
-struct ReportFigure {
-  std::string heading;
-  std::string caption;
-  Figure figure;
-};
-
-/// The pictures of a flight, in the order of the page; what the log does not hold is left out.
-std::vector<ReportFigure> reportFigures(const ReportContent& content);
-
-/// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.
-std::string toHtml(const ReportContent& content);
+/// The whole page.
+Report reportOn(const ReportContent& content);
 
 /// Writes `index.html` and `summary.json` into the folder, which is made where it is missing. Throws Error
 /// naming the file.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "report/report.hpp"
 #include "validation/difference.hpp"
 #include "validation/flight_log.hpp"
 #include "validation/lookup_times.hpp"
@@ -44,7 +45,6 @@ struct AxisValidation : MapUse {
   std::string input;
   /// Unit of the input that the map gives.
   std::string input_unit;
-  std::string map_path;
   std::vector<Excursion> excursions;
 
   std::size_t qp_compared = 0;
@@ -103,6 +103,9 @@ struct StatusValidation {
   std::size_t differing = 0;
   /// Greatest difference recorded - replayed of any parameter.
   double max_theta_difference = 0.0;
+  /// Greatest difference of an axis' recorded input to the law of its map at the recorded parameters, over the samples
+  /// that a map answered [rad or m/s^2].
+  double max_input_difference = 0.0;
   /// Time of the control step in flight, as the node measured it [ns].
   Percentiles step_ns;
 };
@@ -173,15 +176,18 @@ struct ValidationReport {
   std::size_t violationCount() const;
 };
 
-/// Judges a replay; `maker` where maps are of a minimum-peak robust MPC. Throws Error naming the map when its
-/// problem cannot be read, or when it needs a maker and there is none.
-ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options,
+/// Judges replayed flights with the same maps, at least one; `maker` where maps are of a minimum-peak robust MPC. Of
+/// several: counts together, greatest differences, root mean squares over all samples; no offset at rest, and neither
+/// warnings nor parameters. Throws Error naming the map when its problem cannot be read, or when it needs a maker and
+/// there is none.
+ValidationReport validate(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps,
                           const OracleMaker& maker = {});
 
-/// Several flights with the same maps as one report: counts and windows together, greatest differences, root
-/// mean squares over all samples, no offset at rest. `flights` must not be empty. Of one flight, itself.
-ValidationReport together(const std::vector<ValidationReport>& flights);
+inline ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                                 const AxisMaps& maps, const MultirotorOptions& options,
+                                 const OracleMaker& maker = {}) {
+  return validate({{log, samples, options}}, maps, maker);
+}
 
 /// Limits on a report; what is broken comes back as sentences, nothing when all is well.
 struct Thresholds {
@@ -192,21 +198,20 @@ struct Thresholds {
   /// Greatest number of recorded commands beyond their bounds.
   std::size_t max_violations = 0;
 };
+/// Greatest difference of a recorded input to the law of its map at the recorded parameters, of another version.
+constexpr double kLawTolerance = 1e-9;
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
-
-/// "passed", "doubtful" or "failed".
-const char* nameOf(Verdict verdict);
 
 /// The verdict as a sentence.
 const char* sentenceOn(Verdict verdict);
 
-/// A page of text for a terminal. It ends with the verdict.
-std::string toText(const ValidationReport& report);
-
 /// The flat numbers of `summary.json` first, then the details. README.md lists the keys.
-std::string toJson(const ValidationReport& report);
+Json jsonOf(const ValidationReport& report);
 
 /// Of several flights: the numbers of all together, and those of each under `flights`.
-std::string toJson(const ValidationReport& all, const std::vector<ValidationReport>& flights);
+Json jsonOf(const ValidationReport& all, const std::vector<ValidationReport>& flights);
+
+/// What page and console show, without pictures.
+Report reportOn(const ValidationReport& report);
 
 }  // namespace polyfly

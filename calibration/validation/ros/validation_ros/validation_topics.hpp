@@ -21,7 +21,6 @@ namespace polyfly_ros {
 /// - tracking_error (std_msgs/Float64) [m]
 /// - markers (visualization_msgs/Marker, frame "world"): the path flown, green inside all maps, red outside;
 ///   written at the end of each flight
-/// - slices (visualization_msgs/Marker, frame "map_slices"): see sliceMarkers; written at the end of each flight
 ///
 /// Everything throws polyfly::Error naming the file when it cannot be written; what was there stays then.
 class ValidationTopics {
@@ -31,8 +30,7 @@ class ValidationTopics {
   ValidationTopics& operator=(const ValidationTopics&) = delete;
   ~ValidationTopics();
 
-  void write(const std::vector<polyfly::ReplaySample>& samples, const polyfly::AxisMaps& maps,
-             const polyfly::ValidationReport& report);
+  void write(const std::vector<polyfly::ReplaySample>& samples, const polyfly::ValidationReport& report);
   /// The file takes its place. Nothing else may follow.
   void close();
 
@@ -40,7 +38,6 @@ class ValidationTopics {
   void writeAxis(const std::vector<polyfly::ReplaySample>& samples, const polyfly::AxisValidation& axis,
                  std::size_t index);
   void writePath(const std::vector<polyfly::ReplaySample>& samples);
-  void writeSlices(const std::vector<polyfly::ReplaySample>& samples, const polyfly::AxisMaps& maps);
   void number(const std::string& topic, double stamp, double value);
   void abandonBag();
   void closeBag();

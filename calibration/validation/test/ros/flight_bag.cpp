@@ -66,6 +66,7 @@ online_controller::ControllerStatus statusOf(const FlightLog::Status& status) {
   online_controller::AxisStatus* axes[3] = {&message.longitudinal, &message.lateral, &message.vertical};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     axes[axis]->region = status.region[axis];
+    axes[axis]->input = status.input[axis];
     axes[axis]->theta = status.theta[axis];
   }
   return message;

@@ -18,6 +18,7 @@
 
 #include "flight_bag.hpp"
 #include "polyfly_base/provenance.hpp"
+#include "polyfly_base/version.hpp"
 #include "region_maps/write_map.hpp"
 #include "synthetic_flight.hpp"
 
@@ -94,7 +95,7 @@ class ValidateBag : public testing::Test {
 
 TEST_F(ValidateBag, passesAGoodFlight) {
   EXPECT_EQ(runWith({}), kPassed) << errors_;
-  EXPECT_NE(output_.find("coverage 100 %"), std::string::npos);
+  EXPECT_NE(output_.find("100 %  of 300 samples inside the maps"), std::string::npos);
   EXPECT_EQ(errors_, "");
 }
 
@@ -174,7 +175,7 @@ TEST_F(ValidateBag, isNotGreenWhereTheRecordingIsNotWhole) {
   };
   EXPECT_EQ(runWith({"--strict"}), kPassed) << output_;
   EXPECT_NE(output_.find("Passed: "), std::string::npos);
-  EXPECT_NE(output_.find("read: 100 % of the messages"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("Read: 100 % of the messages"), std::string::npos) << output_;
   for (const auto& [name, bytes] : damaged) {
     std::ofstream(folder_ / "flight.bag", std::ios::binary) << bytes;
     EXPECT_EQ(runWith({"--strict", "--report", folder_ / name}), kThresholdBroken) << name << output_;
@@ -254,9 +255,10 @@ TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
 
 // What the bag tells is what the replay uses, and what --options and --map are held against.
 TEST_F(ValidateBag, readsTheParametersInForce) {
-  std::string told =
-      "in_force:\n  node: \"/firefly/controller\"\n  change: \"start\"\n  law: \"explicit_linear\"\n  "
-      "maps:\n";
+  std::string told = "in_force:\n  node: \"/firefly/controller\"\n  version: \"" +
+                     std::string(polyfly::kVersion) +
+                     "\"\n  change: \"start\"\n  law: \"explicit_linear\"\n  "
+                     "maps:\n";
   constexpr const char* kNames[] = {"longitudinal", "lateral", "vertical"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     told += "    " + std::string(kNames[axis]) + ": {name: \"made\", problem: \"" +
@@ -266,8 +268,7 @@ TEST_F(ValidateBag, readsTheParametersInForce) {
   log_.parameters = {{log_.odometry.front().stamp, told}};
   writeFlightBag(log_, folder_ / "flight.bag");
   EXPECT_EQ(runWith({"--strict", "--report", folder_ / "report"}), kPassed) << output_ << errors_;
-  EXPECT_NE(output_.find("in force: law explicit_linear, told by /firefly/controller"), std::string::npos)
-      << output_;
+  EXPECT_NE(output_.find("law explicit_linear, told by /firefly/controller"), std::string::npos) << output_;
   EXPECT_EQ(contents(folder_ / "report/parameters_in_force.yaml"), told);
   const auto json = nlohmann::json::parse(contents(folder_ / "report/summary.json"));
   EXPECT_EQ(json["parameters"]["provenance"], "vehicle/mass from mass.yaml");
@@ -285,6 +286,8 @@ TEST_F(ValidateBag, readsTheParametersInForce) {
 TEST_F(ValidateBag, badInputHasItsOwnExitCode) {
   EXPECT_EQ(run({}), kBadInput);
   EXPECT_EQ(runWith({"--no-such-option"}), kBadInput);
+  EXPECT_EQ(runWith({"--propose-limit", "10"}), kBadInput);
+  EXPECT_NE(errors_.find("'offline_mpt solve' counts the regions"), std::string::npos) << errors_;
   EXPECT_EQ(runWith({"--min-coverage", "1.5"}), kBadInput);
   EXPECT_EQ(runWith({"--options", folder_ / "missing.yaml"}), kBadInput);
   EXPECT_NE(errors_.find("missing.yaml: file: cannot be opened"), std::string::npos);
@@ -329,9 +332,7 @@ TEST_F(ValidateBag, proposesTheProblemThatWouldHaveCoveredTheFlight) {
   }
   writeFlightBag(recorder.log(), folder_ / "flight.bag");
   EXPECT_EQ(runWith({"--propose", folder_ / "wider"}), kThresholdBroken);
-  EXPECT_NE(output_.find("ranges that would have covered the flight, longitudinal axis"), std::string::npos)
-      << output_;
-  EXPECT_NE(output_.find("regions, counted by solving"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("Ranges that would have covered the flight"), std::string::npos) << output_;
   const auto name = std::string(maps_.axes()[0]->name()) + ".yaml";
   EXPECT_NE(contents(folder_ / ("wider/" + name)).find("e_p_x"), std::string::npos);
 }
@@ -349,7 +350,6 @@ TEST_F(ValidateBag, writesTopicsForRvizAndRqt) {
   }
   EXPECT_EQ(counts["/validation/tracking_error"], 300u);
   EXPECT_EQ(counts["/validation/markers"], 1u);
-  EXPECT_EQ(counts["/validation/slices"], 9u);
 }
 
 TEST_F(ValidateBag, writesOverNothingThatItReads) {
