@@ -5,28 +5,40 @@
 #include <algorithm>
 #include <cstddef>
 #include <sstream>
+#include <vector>
 
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
-/// Notes where the last document begins and ignores what it holds.
-class DocumentStart : public YAML::EventHandler {
+/// Notes where the last document begins, and refuses an alias of what holds it: a reader would never come to its end.
+class DocumentCheck : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (std::count(open_.begin(), open_.end(), anchor) > 0)
+      throw YAML::ParserException(mark, "an alias of what holds it");
   }
-  void OnMapEnd() override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open_.push_back(anchor);
+  }
+  void OnSequenceEnd() override { open_.pop_back(); }
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open_.push_back(anchor);
+  }
+  void OnMapEnd() override { open_.pop_back(); }
 
   int line = 0;
+
+ private:
+  /// Of the lists and maps around the present place; 0: without one.
+  std::vector<YAML::anchor_t> open_;
 };
 
 std::string place(const std::string& source, int line) {
@@ -56,9 +68,9 @@ YAML::Node loadYaml(const std::string& text, const std::string& source) {
     // Load alone would drop what follows the first document; LoadAll never ends on some malformed texts.
     std::istringstream stream(text);
     YAML::Parser parser(stream);
-    DocumentStart start;
-    if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start)) {
-      throw Error(place(source, start.line) + "must end after one YAML document");
+    DocumentCheck check;
+    if (parser.HandleNextDocument(check) && parser.HandleNextDocument(check)) {
+      throw Error(place(source, check.line) + "must end after one YAML document");
     }
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {

@@ -156,6 +156,13 @@ TEST(LoadYaml, TextsOnWhichAParserNeverEndsAreRefused) {
   EXPECT_EQ(loadYaml("a: [b, {c: }]\r\nd:\t1\n", "made.yaml")["a"].size(), 2u);
 }
 
+// Whoever walks through it would never come to an end.
+TEST(LoadYaml, AnAliasOfWhatHoldsItIsRefused) {
+  for (const char* const text : {"a: &x [1, *x]\n", "a: &x {b: [*x]}\n", "&x [[*x]]\n"})
+    EXPECT_EQ(errorOf(text), "made.yaml:1: file: is not valid YAML: an alias of what holds it") << text;
+  EXPECT_EQ(loadYaml("a: &x [1, 2]\nb: *x\n", "made.yaml")["b"].size(), 2u);
+}
+
 // A file may be cut anywhere.
 TEST(LoadYaml, EachCutOfATextEnds) {
   const std::string whole = "a: [b:\n, 'c:]', {d: [e: 1]}]\nf: {g: \"h:\"}\n";
