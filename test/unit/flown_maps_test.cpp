@@ -241,6 +241,53 @@ TEST(FlownMapsOfPartsOfARecord, AgreeAgainAfterSomeSeconds) {
   }
 }
 
+/// Back and forth for 20 s, a rest of 40 s, and back and forth again.
+ReferenceTrajectory shuttleTwice() {
+  std::vector<TrajectorySample> points;
+  for (const double start : {0.0, 60.0}) {
+    for (int step = 0; step <= 80; ++step) {
+      const double time = 0.25 * step;
+      constexpr double kRate = 2.0 * 3.14159265358979 / 5.0;  // [rad/s]
+      points.push_back(pointAt(start + time, {0.0, 0.4 * (1.0 - std::cos(kRate * time)), 1.0},
+                               {0.0, 0.4 * kRate * std::sin(kRate * time), 0.0}));
+    }
+  }
+  return ReferenceTrajectory(points);
+}
+
+// What the law had learnt before the hole is in no record.
+TEST(FlownMapsOfPartsOfARecord, AreDoubtfulWithWhatALawHasLearnt) {
+  const std::vector<RegionMap> opened = solvedMaps(problemsOf("blocked_moves"), "flown_maps_test_learnt_");
+  const AxisMaps maps{&opened[0], &opened[1], &opened[2]};
+  const MultirotorOptions options;
+  PlantOptions plant_options;
+  plant_options.wind = {0.4, -0.3, 0.1};
+  plant_options.roll_gain *= 0.8;
+  PlantState start;
+  start.position.z() = 1.0;
+  start.thrust = plant_options.gravity;
+  MultirotorPlant plant(plant_options, start);
+  const FlightLog whole = recordedFlight(maps, options, shuttleTwice(), plant, 80.0);
+  EXPECT_EQ(validate(whole, replay(whole, maps, options), maps, options).commands.max_difference, 0.0);
+  for (const double from : {0.0, 18.0}) {
+    FlightLog log;
+    log.add(whole.references[0].trajectory, whole.odometry[0].stamp);
+    for (std::size_t sample = 0; sample < whole.odometry.size(); ++sample) {
+      const double time = whole.odometry[sample].stamp - whole.odometry[0].stamp;
+      if (time >= from && time < from + (from > 0.0 ? 1.0 : 18.0)) continue;
+      log.add(whole.odometry[sample]);
+      log.commands.push_back(whole.commands[sample]);
+      log.statuses.push_back(whole.statuses[sample]);
+      log.statuses.back().sequence = static_cast<std::uint32_t>(sample);
+    }
+    const ValidationReport report = validate(log, replay(log, maps, options), maps, options);
+    EXPECT_FALSE(report.incomparable.empty());
+    EXPECT_FALSE(report.isWhole());
+    EXPECT_TRUE(brokenThresholds(report, {}).empty());
+    EXPECT_EQ(report.verdict(), Verdict::kDoubtful);
+  }
+}
+
 /// Greatest difference of the lateral inputs of two laws that answer the same flight, one reference at a time.
 double greatestDifference(MultirotorController one, MultirotorController other, const FlightLog& log) {
   const ReferenceTrajectory& trajectory = log.references.front().trajectory;
