@@ -288,8 +288,9 @@ class Collector {
   // Why the clock is used, and what that means for a delay. Empty where nothing is to be said.
   static std::string clauseOn(const HeaderClock& clock, SignalClock which, double greatest_lead) {
     if (which == SignalClock::kHeaders) return clock.steps.empty() ? "" : "the times of the headers are used";
-    if (clock.isSteady()) return "";
     std::string clause = "the times of the recorder are used";
+    if (clock.isSteady())
+      return clause + ": the headers have another clock, and other topics have no usable stamps";
     if (greatest_lead > 0.0 && greatest_lead <= kLeastClockStep) {
       clause += sentence(
           "; other messages reached it up to %.3g s after their stamps, and a delay may be off by as much",
@@ -298,23 +299,28 @@ class Collector {
     return clause;
   }
 
-  // All signals have one clock: that of the headers where each topic's stamps can be used, else the recorder's. Returns
-  // the topics that give a signal.
+  // A topic has the times of its headers. Where stamps cannot be used it has the recorder's; then the others keep their
+  // stamps only if these are of the recorder's clock too. Returns the topics that give a signal.
   std::set<std::string> gather(BagSignals* result) const {
     const Repeats repeats = findRepeats();
     const std::map<std::string, Winner> best = winners(repeats);
     // All readers of a topic have the same stamps.
     std::map<std::string, HeaderClock> clocks;
     for (const auto& [signal, winner] : best) clocks[winner.topic] = winner.reader->clock();
-    SignalClock which = SignalClock::kHeaders;
+    bool all_steady = true;
     double greatest_lead = 0.0;
     for (const auto& [topic, clock] : clocks) {
-      if (!clock.isSteady()) which = SignalClock::kRecorder;
+      all_steady = all_steady && clock.isSteady();
       if (clock.isSteady()) greatest_lead = std::max(greatest_lead, std::abs(clock.lead));
     }
+    const bool one_clock = all_steady || greatest_lead <= kLeastClockStep;
+    const auto clock_of = [one_clock](const HeaderClock& clock) {
+      return clock.isSteady() && one_clock ? SignalClock::kHeaders : SignalClock::kRecorder;
+    };
     const double start = result->health.first;
     for (const auto& [signal, winner] : best) {
-      result->signals.series[signal] = winner.reader->series(start, which).at(signal);
+      result->signals.series[signal] =
+          winner.reader->series(start, clock_of(clocks.at(winner.topic))).at(signal);
       result->signals.origin[signal] = winner.topic;
     }
     for (const auto& [topic, sources] : sources_) {
@@ -327,7 +333,8 @@ class Collector {
       // Nothing is said of topics that are whole and not used.
       if (clock == clocks.end() && !sources.front().reader->names().empty()) continue;
       std::vector<std::string> clauses = sources.front().reader->remarks(start);
-      if (clock != clocks.end()) clauses.push_back(clauseOn(clock->second, which, greatest_lead));
+      if (clock != clocks.end())
+        clauses.push_back(clauseOn(clock->second, clock_of(clock->second), greatest_lead));
       std::string remark;
       for (const std::string& clause : clauses)
         remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;

@@ -11,7 +11,7 @@
 
 namespace polyfly {
 
-/// Which times the signals of a flight have.
+/// Which times the signals of a topic have.
 enum class SignalClock { kHeaders, kRecorder };
 
 /// A number of a message: a field as it is, or an angle of a quaternion.
