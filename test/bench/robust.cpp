@@ -39,7 +39,8 @@ void solveRows(const std::string& name, const polyfly::RobustProblem& problem, d
       polyfly::roundLaw(problem, solve(problem, true), polyfly::ExploreStatus::kComplete);
   const polyfly::MapImage image(polyfly::encode(rounded.program, rounded.partition));
   const polyfly::RobustProof proof = polyfly::proveRobustMap(image.view(name), problem);
-  printRow({name + ": solved, and the map proven in fractions", threadSeconds() - start, "s", most_exact, "", 0.0});
+  printRow({name + ": solved, and the map proven in fractions", threadSeconds() - start, "s", most_exact, "",
+            0.0});
   if (!proof.passed()) throw std::runtime_error(name + ": not proven");
 }
 

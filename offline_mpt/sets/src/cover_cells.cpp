@@ -99,7 +99,7 @@ std::vector<std::uint32_t> CoverCells::near(const CoverCell& cell) const {
 }
 
 std::vector<std::uint32_t> CoverCells::reaching(const std::vector<std::uint32_t>& candidates,
-                                                 const CellPlane& plane, bool inside) const {
+                                                const CellPlane& plane, bool inside) const {
   if (plane.row == nullptr) return candidates;
   const double sign = inside ? plane.sign : -plane.sign;
   std::vector<std::uint32_t> result;
@@ -122,7 +122,7 @@ bool CoverCells::reachesOut(const CoverCell& cell, std::uint32_t region, double 
 
 // Rows of candidates whose planes seem to cut the cell, each plane once.
 std::vector<CoverCells::RowOf> CoverCells::cuttingRows(const CoverCell& cell,
-                                                         const std::vector<std::uint32_t>& candidates) const {
+                                                       const std::vector<std::uint32_t>& candidates) const {
   std::vector<RowOf> rows;
   std::vector<std::int32_t> seen;
   for (const std::uint32_t region : candidates) {
@@ -141,7 +141,7 @@ std::vector<CoverCells::RowOf> CoverCells::cuttingRows(const CoverCell& cell,
 }
 
 std::optional<CellPlane> CoverCells::bestCut(const CoverCell& cell,
-                                              const std::vector<std::uint32_t>& candidates) const {
+                                             const std::vector<std::uint32_t>& candidates) const {
   const int p = regions_.parameters();
   const std::vector<RowOf> rows = cuttingRows(cell, candidates);
   const std::size_t stride = rows.size() / kPlanesTried + 1;

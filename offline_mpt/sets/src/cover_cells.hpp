@@ -48,8 +48,7 @@ class CoverCells {
 
   /// Of the candidates' planes that cut the cell, the one that leaves the fewest candidates on its fuller
   /// side.
-  std::optional<CellPlane> bestCut(const CoverCell& cell,
-                                   const std::vector<std::uint32_t>& candidates) const;
+  std::optional<CellPlane> bestCut(const CoverCell& cell, const std::vector<std::uint32_t>& candidates) const;
 
   /// The last resort, without rounded guesses: any plane of any region that cuts the cell, or one moved
   /// outwards.

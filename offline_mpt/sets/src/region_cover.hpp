@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "map_regions.hpp"
 #include "cover_cells.hpp"
+#include "map_regions.hpp"
 #include "polytope_sets/exact_polytope.hpp"
 
 namespace polyfly {
