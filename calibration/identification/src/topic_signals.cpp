@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "identification/flight_signals.hpp"
 #include "identification/header_clock.hpp"
 #include "polyfly_base/error.hpp"
 
