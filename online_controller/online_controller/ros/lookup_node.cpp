@@ -148,8 +148,9 @@ void LookupNode::connect(const ros::NodeHandle& handle) {
         "parameters", by_array_, [](const std_msgs::Float64MultiArray& message) { return message.data; });
   if (!by_odometry_.empty())
     listen<nav_msgs::Odometry>("odometry", by_odometry_, [this](const nav_msgs::Odometry& message) {
+      const std::vector<double> all = fieldsOf(message);
       std::vector<double> values;
-      for (const std::size_t field : fields_) values.push_back(fieldsOf(message)[field]);
+      for (const std::size_t field : fields_) values.push_back(all[field]);
       return values;
     });
   timer_ = topics_.createSteadyTimer(ros::WallDuration(map_->period()), [this](const ros::SteadyTimerEvent&) {
@@ -195,12 +196,16 @@ void LookupNode::send(bool is_inside) {
   missed_ = is_inside ? 0 : missed_ + 1;
   has_answered_ = has_answered_ || is_inside;
   answer_time_ = ros::SteadyTime::now();
-  status_.sent = is_inside                        ? Status::ANSWER
-                 : !has_answered_                 ? Status::NOTHING
-                 : missed_ <= hold_               ? Status::LAST
-                 : safe_.size() == inputs_.size() ? Status::SAFE
-                                                  : Status::NOTHING;
-  if (status_.sent == Status::SAFE) inputs_ = safe_;
+  if (is_inside) {
+    status_.sent = Status::ANSWER;
+  } else if (has_answered_ && missed_ <= hold_) {
+    status_.sent = Status::LAST;
+  } else if (has_answered_ && !safe_.empty()) {
+    status_.sent = Status::SAFE;
+    inputs_ = safe_;
+  } else {
+    status_.sent = Status::NOTHING;
+  }
   status_.inputs.clear();
   for (std::size_t i = 0; status_.sent != Status::NOTHING && i < inputs_.size(); ++i) {
     const Signal& input = map_->inputs()[i];

@@ -14,7 +14,11 @@ class Guarded : public ros::CallbackInterface {
  public:
   explicit Guarded(const ros::CallbackInterfacePtr& callback) : callback_(callback) {}
 
-  CallResult call() override { return callGuarded(*callback_); }
+  CallResult call() override {
+    CallResult result = Invalid;
+    runGuarded([&] { result = callback_->call(); });
+    return result;
+  }
   bool ready() override { return callback_->ready(); }
 
  private:
@@ -27,12 +31,6 @@ void runGuarded(const std::function<void()>& work) noexcept try {
   work();
 } catch (const std::exception& error) {
   ROS_ERROR_THROTTLE(kInterval, "a message or a request was dropped: %s", error.what());
-}
-
-ros::CallbackInterface::CallResult callGuarded(ros::CallbackInterface& callback) noexcept {
-  ros::CallbackInterface::CallResult result = ros::CallbackInterface::Invalid;
-  runGuarded([&] { result = callback.call(); });
-  return result;
 }
 
 ros::CallbackInterfacePtr guarded(const ros::CallbackInterfacePtr& callback) {

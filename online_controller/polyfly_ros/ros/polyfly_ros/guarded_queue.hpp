@@ -11,10 +11,7 @@ namespace polyfly_ros {
 /// Does the work. An exception would end the process, with all nodelets in it: it becomes an error message instead.
 void runGuarded(const std::function<void()>& work) noexcept;
 
-/// Calls it by runGuarded.
-ros::CallbackInterface::CallResult callGuarded(ros::CallbackInterface& callback) noexcept;
-
-/// A callback that calls this one by callGuarded.
+/// A callback that calls this one by runGuarded.
 ros::CallbackInterfacePtr guarded(const ros::CallbackInterfacePtr& callback);
 
 /// Hands the callbacks of a node to the queue of its node handle, guarded. Must outlive what it is a queue of.
