@@ -2,7 +2,7 @@
 """Measures the way from odometry to command over ROS. usage: online_ros.py FOLDER_OF_MAPS OUTPUT.json
 
 Needs the built workspace's environment. A ROS master of its own. Shorter by the environment: POLYFLY_LATENCY_SAMPLES (2000;
-three times as many for the default way) at 100 Hz for each row, POLYFLY_LATENCY_LAWS (names, separated by
+three times as many as nodelet) at 100 Hz for each row, POLYFLY_LATENCY_LAWS (names, separated by
 commas) and POLYFLY_LATENCY_WAYS (by semicolons)."""
 
 import json

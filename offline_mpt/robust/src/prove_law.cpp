@@ -25,14 +25,13 @@ std::vector<Integer> homogeneous(const RationalVector& point) {
   return wholeNumbers(values);
 }
 
-/// A vertex of regions with their law there, (theta, u~_0, tau), once for all regions that share it.
+/// A vertex of regions with their law there, (theta, u~_0, tau).
 struct LawPoint {
-  explicit LawPoint(const RationalVector& values) : y(values) {}
   RationalVector theta() const { return RationalVector(y.begin(), y.end() - 2); }
   const Rational& move() const { return y[y.size() - 2]; }
   const Rational& peak() const { return y.back(); }
 
-  RationalVector y;
+  const RationalVector& y;
 };
 
 class LawProof {
@@ -180,7 +179,7 @@ class LawProof {
         points.insert(std::move(y));
       }
     }
-    for (const RationalVector& y : points) proveStep(LawPoint(y));
+    for (const RationalVector& y : points) proveStep({y});
   }
 
   void proveStep(const LawPoint& point) {
