@@ -43,30 +43,29 @@ std::map<std::string, std::string> parseSignals(const std::vector<std::string>& 
 }  // namespace
 
 void declareLog(CLI::App& command, LogArguments& arguments) {
-  const auto add = [&command](const char* name, auto& value, const char* type, const char* meaning) {
-    return command.add_option(name, value, meaning)->type_name(type);
-  };
-  add("log", arguments.logs, "FILE...",
+  addOption(
+      command, "log", arguments.logs, "FILE...",
       "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or a CSV file. Several flights "
-      "of "
-      "one vehicle give one model.")
+      "of one vehicle give one model.")
       ->required();
-  add("--window", arguments.windows, "[NUMBER:]FROM:TO",
+  addOption(
+      command, "--window", arguments.windows, "[NUMBER:]FROM:TO",
       "Interval to use, in seconds of the log. May be repeated. The tool chooses intervals if none is given. "
-      "Of "
-      "several logs it holds for all, or for the one of that NUMBER (from 1).");
-  add("--signal", arguments.signals, "SIGNAL=PLACE",
+      "Of several logs it holds for all, or for the one of that NUMBER (from 1).");
+  addOption(
+      command, "--signal", arguments.signals, "SIGNAL=PLACE",
       "Place of a signal: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an autopilot log. time=COLUMN or "
       "time=SECONDS,NANOSECONDS names the times of a CSV. May be repeated. The tool finds signals by name "
-      "and "
-      "type if not given.");
-  add("--topic", arguments.topics, "ENDING",
-      "Use only topics of the bag whose names end like this. May be repeated.");
-  add("--namespace", arguments.name_space, "NAME",
-      "Namespace of the vehicle, where a bag holds several: only its topics are used.");
-  add("--recorded", arguments.recorded, "TEXT", "Date of the flight, for the provenance of the result.");
-  add("-o,--output", arguments.output, "FILE", "Write the results to this file as YAML.");
-  add("--report", arguments.report, "DIR", "Write index.html and calibration.yaml into this folder.");
+      "and type if not given.");
+  addOption(command, "--topic", arguments.topics, "ENDING",
+            "Use only topics of the bag whose names end like this. May be repeated.");
+  addOption(command, "--namespace", arguments.name_space, "NAME",
+            "Namespace of the vehicle, where a bag holds several: only its topics are used.");
+  addOption(command, "--recorded", arguments.recorded, "TEXT",
+            "Date of the flight, for the provenance of the result.");
+  addOption(command, "-o,--output", arguments.output, "FILE", "Write the results to this file as YAML.");
+  addOption(command, "--report", arguments.report, "DIR",
+            "Write index.html and calibration.yaml into this folder.");
   command
       .add_option("--vehicle", arguments.vehicle,
                   "Kind of the vehicle. Only logs of PX4 and ArduPilot tell it by themselves.")

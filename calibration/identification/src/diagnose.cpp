@@ -40,8 +40,7 @@ void judgeScale(const AxisModel& model, Sentences* warnings) {
   if (model.with_delay.find("gain")->greatest() < 0.0) {
     warnings->emplace_back(
         "The response goes against the command: the sign or the frame (y left or right, z up or down) of one "
-        "of "
-        "them is wrong.");
+        "of them is wrong.");
   }
   const double size = std::abs(model.with_delay.gain);
   if (model.axis == "thrust" || (size >= kLeastGain && size <= kGreatestGain)) return;

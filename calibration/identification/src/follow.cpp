@@ -104,8 +104,8 @@ std::optional<double> usualResidual(const Cells& cells) {
 }
 
 // The cells of stretches that do not follow, and those beside them in which the model misses by as much.
-std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
-  std::vector<bool> stray(cells.size(), false);
+std::vector<bool> rejectedCells(const std::vector<Cell>& cells, double usual) {
+  std::vector<bool> rejected(cells.size(), false);
   const auto misses_by_far = [usual](const Cell& one) {
     return one.ratio() > kExplained && one.missed() > kFarAway * usual;
   };
@@ -114,30 +114,31 @@ std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
     const std::vector<Cell> stretches = stretchesOf(cells, length);
     for (std::size_t i = 0; i < stretches.size(); ++i) {
       const Cell& one = stretches[i];
-      const bool strays = misses_by_far(one) || (length == kJudgedCells && one.ratio() > kUnexplained &&
-                                                 one.missed() > kAway * usual);
-      for (std::size_t k = i; k < std::min(cells.size(), i + length); ++k) stray[k] = stray[k] || strays;
+      const bool is_rejected = misses_by_far(one) || (length == kJudgedCells && one.ratio() > kUnexplained &&
+                                                      one.missed() > kAway * usual);
+      for (std::size_t k = i; k < std::min(cells.size(), i + length); ++k)
+        rejected[k] = rejected[k] || is_rejected;
     }
   }
-  stray.front() = stray.front() || misses_by_far(cells.front());
-  stray.back() = stray.back() || misses_by_far(cells.back());
+  rejected.front() = rejected.front() || misses_by_far(cells.front());
+  rejected.back() = rejected.back() || misses_by_far(cells.back());
   const auto misses = [&](std::size_t i) { return cells[i].missed() > kAway * usual; };
-  for (std::size_t i = 1; i < cells.size(); ++i) stray[i] = stray[i] || (stray[i - 1] && misses(i));
+  for (std::size_t i = 1; i < cells.size(); ++i) rejected[i] = rejected[i] || (rejected[i - 1] && misses(i));
   for (std::size_t i = cells.size() - 1; i > 0; --i)
-    stray[i - 1] = stray[i - 1] || (stray[i] && misses(i - 1));
-  return stray;
+    rejected[i - 1] = rejected[i - 1] || (rejected[i] && misses(i - 1));
+  return rejected;
 }
 
 // What is left of the windows without these cells, as far as it is long enough to be used.
 std::vector<TimeWindow> keptOf(const std::vector<TimeWindow>& windows, const Cells& cells, double usual) {
-  std::vector<RejectedWindow> strays;
+  std::vector<RejectedWindow> out;
   for (const std::vector<Cell>& part : cells) {
-    const std::vector<bool> stray = strayCells(part, usual);
+    const std::vector<bool> rejected = rejectedCells(part, usual);
     for (std::size_t i = 0; i < part.size(); ++i) {
-      if (stray[i]) strays.push_back({part[i].window, ""});
+      if (rejected[i]) out.push_back({part[i].window, ""});
     }
   }
-  std::vector<TimeWindow> kept = windowsWithout(windows, strays);
+  std::vector<TimeWindow> kept = windowsWithout(windows, out);
   kept.erase(std::remove_if(kept.begin(), kept.end(),
                             [](const TimeWindow& window) { return window.to - window.from < kLeastWindow; }),
              kept.end());

@@ -128,6 +128,12 @@ const Json& fieldOf(const Json& object, const std::string& field) {
   return object.contains(pointer) ? object.at(pointer) : kNone;
 }
 
+void addCell(const Json& object, const ReportColumn& column, ReportTable::Row* row) {
+  const Json& value = fieldOf(object, column.field);
+  row->cells.push_back(wordsOn(value));
+  row->good = row->good && isGood(value, column.rule);
+}
+
 // Characters that a terminal shows: bytes of UTF-8 that begin one.
 std::size_t widthOf(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
@@ -189,11 +195,7 @@ ReportTable tableOf(const Json& rows, const std::vector<ReportColumn>& columns) 
   for (const ReportColumn& column : columns) table.columns.push_back(column.name);
   for (const Json& row : rows) {
     ReportTable::Row line;
-    for (const ReportColumn& column : columns) {
-      const Json& value = fieldOf(row, column.field);
-      line.cells.push_back(wordsOn(value));
-      line.good = line.good && isGood(value, column.rule);
-    }
+    for (const ReportColumn& column : columns) addCell(row, column, &line);
     table.rows.push_back(line);
   }
   return table;
@@ -206,11 +208,7 @@ ReportTable tableAcross(const Json& objects, const std::string& head,
   for (const Json& object : objects) table.columns.push_back(wordsOn(fieldOf(object, head)));
   for (const ReportColumn& line : lines) {
     ReportTable::Row row = {{line.name}};
-    for (const Json& object : objects) {
-      const Json& value = fieldOf(object, line.field);
-      row.cells.push_back(wordsOn(value));
-      row.good = row.good && isGood(value, line.rule);
-    }
+    for (const Json& object : objects) addCell(object, line, &row);
     table.rows.push_back(row);
   }
   return table;

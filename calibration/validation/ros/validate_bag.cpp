@@ -83,30 +83,30 @@ void declareThresholds(CLI::App& app, polyfly::Thresholds& limits) {
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
-  const auto add = [&app](const char* name, auto& value, const char* type, const char* meaning) {
-    return app.add_option(name, value, meaning)->type_name(type);
-  };
-  add("--bag", arguments.bags, "FILE",
-      "Bags of recorded flights. Pieces of a recording that was split are one flight.")
+  polyfly::addOption(app, "--bag", arguments.bags, "FILE",
+                     "Bags of recorded flights. Pieces of a recording that was split are one flight.")
       ->required();
-  add("--map", arguments.maps, "FILE",
+  polyfly::addOption(
+      app, "--map", arguments.maps, "FILE",
       "Region maps of the three axes, in any order. The first map of an axis is the one that flew; further "
-      "ones "
-      "are compared with it.")
+      "ones are compared with it.")
       ->required();
-  add("--options", arguments.options, "FILE",
+  polyfly::addOption(
+      app, "--options", arguments.options, "FILE",
       "Options file (YAML) of the controller that flew: vehicle, controller (default: what the bag tells, "
-      "else "
-      "the controller's defaults).");
-  add("--json", arguments.json, "FILE", "Write the results to this file as JSON.");
-  add("--report", arguments.report, "DIR", "Write index.html and summary.json into this folder.");
-  add("--explore", arguments.explore, "DIR",
+      "else the controller's defaults).");
+  polyfly::addOption(app, "--json", arguments.json, "FILE", "Write the results to this file as JSON.");
+  polyfly::addOption(app, "--report", arguments.report, "DIR",
+                     "Write index.html and summary.json into this folder.");
+  polyfly::addOption(
+      app, "--explore", arguments.explore, "DIR",
       "Write a page for each axis into this folder: its map and the flight's samples, to be explored in a "
       "browser. The report links to the pages.");
-  add("--propose", arguments.propose, "DIR",
+  polyfly::addOption(
+      app, "--propose", arguments.propose, "DIR",
       "If the flights left a map, write problem files that would have covered them into this folder.");
-  add("--topics-bag", arguments.topics_bag, "FILE",
-      "Write a bag with the results as topics, for rviz and rqt.");
+  polyfly::addOption(app, "--topics-bag", arguments.topics_bag, "FILE",
+                     "Write a bag with the results as topics, for rviz and rqt.");
   app.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
   app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds.");
   declareTopics(app, arguments.topics);
@@ -268,8 +268,8 @@ polyfly::ValidationReport together(const std::vector<Flight>& flights,
   return all;
 }
 
-// What is to be seen although nothing is printed. Returns the exit code.
-int settle(const std::vector<polyfly::ValidationReport>& reports, const Arguments& arguments) {
+// Prints what --quiet leaves to be seen.
+int exitCodeOf(const std::vector<polyfly::ValidationReport>& reports, const Arguments& arguments) {
   bool broken = false;
   for (const polyfly::ValidationReport& flight : reports) {
     broken = broken || !flight.broken.empty() || (arguments.strict && !flight.warnings.empty());
@@ -317,7 +317,7 @@ int run(Arguments& arguments) {
     json = polyfly::jsonOf(all, reports);
   }
   if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, polyfly::dumped(json));
-  return settle(reports, arguments);
+  return exitCodeOf(reports, arguments);
 }
 
 }  // namespace

@@ -230,8 +230,7 @@ Report reportOn(const FilterValidation& validation) {
         validation.comparison
             ? "The filter flew, so the states of the record are those that its answers led to."
             : "The filter did not fly: where it would have changed a command, the flight went on with "
-              "another "
-              "one. States outside of the safe set are then no fault of the filter."}});
+              "another one. States outside of the safe set are then no fault of the filter."}});
   return page;
 }
 

@@ -50,6 +50,12 @@ CLI::Validator finiteNumber();
 /// For CLI::Option::transform: a number of bytes, with k, M, G or T (powers of 1024) behind it or not.
 CLI::Validator byteCount(std::uint64_t least = 0);
 
+/// An option whose value is called `type` in the help text.
+template <class Value>
+CLI::Option* addOption(CLI::App& app, const char* name, Value& value, const char* type, const char* meaning) {
+  return app.add_option(name, value, meaning)->type_name(type);
+}
+
 /// One of these words.
 CLI::Validator oneOf(const std::vector<std::string>& words);
 
