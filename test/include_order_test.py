@@ -52,7 +52,7 @@ PACKAGES = {
     "offline_mpt/explorer": {"polyfly_base", "region_maps", "map_explorer", "mpc_core", "robust_mpc",
                              "safety_filter", "explorer_content"},
     "offline_mpt/export": {"polyfly_base", "region_maps", "map_export", "mpc_core", "export_proven"},
-    "fixedwing_lateral/fixedwing_lateral": {"polyfly_base", "command_line", "fixedwing_lateral", "fixedwing_plant"},
+    "fixedwing_lateral/fixedwing_lateral": {"polyfly_base", "command_line", "mpc_core", "fixedwing_lateral", "fixedwing_plant"},
     "fixedwing_lateral/fixedwing_lateral/ros": {"polyfly_base", "polyfly_ros", "fixedwing_lateral", "fixedwing_lateral_ros"},
     "calibration/bags": {"polyfly_base", "bags"},
     "calibration/report": {"polyfly_base", "map_plot", "bags", "report"},

@@ -123,7 +123,6 @@ std::string mark(double value, double most) {
 int main() {
   // Warm-up run.
   fly(40);
-  double at_40 = 0.0;
   bool first = true;
   for (const int horizon : {20, 40, 60, 80, 100, 200}) {
     const Times times = flyAgainAndAgain(horizon);
@@ -134,7 +133,6 @@ int main() {
     print(first, name + ", median", median, "us", published ? (peer + mark(median, 40.0)).c_str() : "");
     first = false;
     if (published) {
-      at_40 = median;
       const double feedback = quantile(times.feedback, 0.5);
       const double late = quantile(times.whole, 0.99) / median;
       print(false, name + ", 99 %", quantile(times.whole, 0.99), "us");
@@ -143,8 +141,6 @@ int main() {
       print(false, name + ", feedback, median", feedback, "us", mark(feedback, 8.0).c_str());
       print(false, name + ", feedback, 99 %", quantile(times.feedback, 0.99), "us");
     }
-    if (horizon == 100)
-      print(false, "N = 100 by N = 40", median / at_40, "", mark(median / at_40, 2.6).c_str());
   }
   std::printf("]\n");
   return 0;

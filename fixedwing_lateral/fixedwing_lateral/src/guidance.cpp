@@ -181,7 +181,7 @@ bool LateralGuidance::improve() noexcept {
   output_.nmpc.kkt = nmpc_.kkt();
   if (nmpc_.kkt() < options_.kkt_tolerance) return false;
   NmpcReport report = nmpc_.feedback(solved_from_);
-  if (report.status == NmpcStatus::kNotFinite) return false;
+  if (!report.hasMoves()) return false;
   report.iterations += output_.nmpc.iterations;
   output_.nmpc = report;
   keepHorizon(horizon_time_);
@@ -256,12 +256,12 @@ bool LateralGuidance::solve(const GuidanceInput& input) noexcept {
     }
     prepared_ = false;
     output_.nmpc = nmpc_.feedback(state);
-    if (options_.iterations > 1 && output_.nmpc.status == NmpcStatus::kOptimal) {
+    if (options_.iterations > 1 && output_.nmpc.status == QpStatus::kOptimal) {
       const int first = output_.nmpc.iterations;
       output_.nmpc = nmpc_.iterate(data_, state, options_.iterations - 1, options_.kkt_tolerance);
       output_.nmpc.iterations += first;
     }
-    if (output_.nmpc.status != NmpcStatus::kNotFinite) return true;
+    if (output_.nmpc.hasMoves()) return true;
     restart(state);
   }
   return false;

@@ -19,18 +19,6 @@ constexpr double kTurn = 2.0 * kPi;
 constexpr int kOrder[kStates] = {Index::kNorth, Index::kEast, Index::kHeading, Index::kRoll,
                                  Index::kRollRate};
 
-NmpcStatus statusOf(HorizonQpStatus status) noexcept {
-  switch (status) {
-    case HorizonQpStatus::kOptimal:
-      return NmpcStatus::kOptimal;
-    case HorizonQpStatus::kIterationLimit:
-      return NmpcStatus::kIterationLimit;
-    case HorizonQpStatus::kNotFinite:
-      return NmpcStatus::kNotFinite;
-  }
-  return NmpcStatus::kNotFinite;
-}
-
 }  // namespace
 
 LateralNmpc::LateralNmpc(const LateralModel& model, const HorizonOptions& options, const std::string& where)
@@ -194,7 +182,7 @@ double LateralNmpc::stationarity() noexcept {
 
 NmpcReport LateralNmpc::feedback(const LateralState& state) noexcept {
   NmpcReport report;
-  report.status = NmpcStatus::kNotFinite;
+  report.status = QpStatus::kNotFinite;
   report.kkt = kkt_;
   report.cost = cost_;
   if (!prepared_) return report;
@@ -202,10 +190,10 @@ NmpcReport LateralNmpc::feedback(const LateralState& state) noexcept {
   double deviation[kStates];
   for (int i = 0; i < kStates; ++i) deviation[i] = state[kOrder[i]] - nodes_[0][kOrder[i]];
   deviation[2] = std::remainder(deviation[2], kTurn);
-  report.status = statusOf(qp_.solve(deviation));
+  report.status = qp_.solve(deviation);
   report.iterations = 1;
   report.active_bounds = qp_.activeCount();
-  if (report.status == NmpcStatus::kNotFinite) return report;
+  if (!report.hasMoves()) return report;
   nodes_[0][Index::kSwitch] = state[Index::kSwitch];
   takeStep();
   return report;
@@ -235,7 +223,7 @@ NmpcReport LateralNmpc::iterate(const HorizonData& data, const LateralState& sta
     }
     report = feedback(state);
     report.iterations = i + 1;
-    if (report.status == NmpcStatus::kNotFinite) break;
+    if (!report.hasMoves()) break;
   }
   return report;
 }
@@ -272,16 +260,16 @@ NmpcReport LateralNmpc::optimise(const HorizonData& data, const LateralState& st
   for (int i = 0; i < most; ++i) {
     report.cost = cost;
     if (!prepare(data)) {
-      report.status = NmpcStatus::kNotFinite;
+      report.status = QpStatus::kNotFinite;
       break;
     }
     report.kkt = kkt_;
     if (kkt_ < tolerance) break;
     const double zero[kStates] = {0.0, 0.0, 0.0, 0.0, 0.0};
-    report.status = statusOf(qp_.solve(zero));
+    report.status = qp_.solve(zero);
     report.iterations = i + 1;
     report.active_bounds = qp_.activeCount();
-    if (report.status == NmpcStatus::kNotFinite || !searchLine(data, cost)) break;
+    if (!report.hasMoves() || !searchLine(data, cost)) break;
     cost = costOf(data, nodes_, moves_);
     report.cost = cost;
   }

@@ -148,7 +148,7 @@ TEST(HorizonQp, MeetsTheOptimalityConditions) {
       fill(qp, draw, i % 3 == 0 ? 1.0 : 30.0);
       const VectorXd x_0 = start(draw);
       ASSERT_TRUE(qp.prepare());
-      ASSERT_EQ(qp.solve(x_0.data()), HorizonQpStatus::kOptimal) << horizon << ": " << i;
+      ASSERT_EQ(qp.solve(x_0.data()), QpStatus::kOptimal) << horizon << ": " << i;
       EXPECT_LT(violation(qp, condense(qp, x_0)), kOptimality) << horizon << ": " << i;
       most_active = std::max(most_active, qp.activeCount());
       if (i % 4 == 0) qp.coldStart();
@@ -177,7 +177,7 @@ TEST(HorizonQp, AgreesWithTheDenseSolver) {
     }
     DenseQp reference(dense.H, A);
     ASSERT_TRUE(qp.prepare());
-    ASSERT_EQ(qp.solve(x_0.data()), HorizonQpStatus::kOptimal);
+    ASSERT_EQ(qp.solve(x_0.data()), QpStatus::kOptimal);
     if (reference.solve(dense.g.data(), b.data()) != QpStatus::kOptimal) continue;
     ++feasible;
     for (int k = 0; k < 20; ++k) EXPECT_NEAR(qp.moves()[k], reference.z()(k), kOptimality);
@@ -195,7 +195,7 @@ TEST(HorizonQp, RelaxesRollThatCannotBeHeld) {
     VectorXd x_0 = start(draw);
     x_0(3) = i % 2 == 0 ? 0.9 : -0.9;
     ASSERT_TRUE(qp.prepare());
-    ASSERT_EQ(qp.solve(x_0.data()), HorizonQpStatus::kOptimal);
+    ASSERT_EQ(qp.solve(x_0.data()), QpStatus::kOptimal);
     EXPECT_LT(violation(qp, condense(qp, x_0)), 1e2 * kOptimality);  // multipliers of 1e3
     for (int c = 30; c < 60; ++c) relaxed += std::abs(qp.multipliers()[c]) > 0.999 * qp.rho ? 1 : 0;
   }
@@ -219,8 +219,8 @@ TEST(HorizonQp, WarmStartsAlongASequence) {
     cold.coldStart();
     ASSERT_TRUE(warm.prepare());
     ASSERT_TRUE(cold.prepare());
-    ASSERT_EQ(warm.solve(x_0.data()), HorizonQpStatus::kOptimal);
-    ASSERT_EQ(cold.solve(x_0.data()), HorizonQpStatus::kOptimal);
+    ASSERT_EQ(warm.solve(x_0.data()), QpStatus::kOptimal);
+    ASSERT_EQ(cold.solve(x_0.data()), QpStatus::kOptimal);
     warm_iterations += warm.iterations();
     cold_iterations += cold.iterations();
     EXPECT_LT(violation(warm, condense(warm, x_0)), kOptimality);
@@ -241,7 +241,7 @@ TEST(HorizonQp, BoundsThatLeaveNoRoomAndBoundsThatTouch) {
     const double first = dense.roll_at_rest(0) + dense.roll_by_move(0, 0) * qp.moveBounds()[0].upper;
     qp.rollBounds()[0] = {first - 0.3, first};
     ASSERT_TRUE(qp.prepare());
-    ASSERT_EQ(qp.solve(x_0.data()), HorizonQpStatus::kOptimal) << i;
+    ASSERT_EQ(qp.solve(x_0.data()), QpStatus::kOptimal) << i;
     EXPECT_LT(violation(qp, dense), kOptimality);
   }
 }
@@ -253,9 +253,9 @@ TEST(HorizonQp, SaysThatDataAreNotFinite) {
   VectorXd x_0 = start(draw);
   ASSERT_TRUE(qp.prepare());
   x_0(1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(qp.solve(x_0.data()), HorizonQpStatus::kNotFinite);
+  EXPECT_EQ(qp.solve(x_0.data()), QpStatus::kNotFinite);
   x_0(1) = 0.0;
-  EXPECT_EQ(qp.solve(x_0.data()), HorizonQpStatus::kOptimal);
+  EXPECT_EQ(qp.solve(x_0.data()), QpStatus::kOptimal);
   qp.stages()[4].q[0] = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(qp.prepare());
   qp.stages()[4].q[0] = 0.0;

@@ -44,7 +44,7 @@ void expectReferenceSteps(const std::string& set, const LateralWeights& weights)
     std::copy(reference.previous.begin(), reference.previous.end(), nmpc.previousMoves());
     ASSERT_TRUE(nmpc.prepare(reference.data));
     const NmpcReport report = nmpc.feedback(reference.state);
-    EXPECT_EQ(report.status, NmpcStatus::kOptimal);
+    EXPECT_EQ(report.status, QpStatus::kOptimal);
     for (int k = 0; k < 40; ++k)
       EXPECT_NEAR(nmpc.program().moves()[k], reference.solution[k], kStepAgreement)
           << set << number << ": " << k;
@@ -224,7 +224,7 @@ TEST(RealTimeIteration, ForgetsWholeTurnsOfTheHeading) {
   std::mt19937 random(23);
   const Scene scene = drawScene(random);
   LateralNmpc nmpc(LateralModel{}, HorizonOptions{}, "test");
-  LateralNmpc turned = nmpc;
+  LateralNmpc turned(LateralModel{}, HorizonOptions{}, "test");
   nmpc.reset(scene.data, scene.state, 0.0);
   turned.reset(scene.data, scene.state, 0.0);
   LateralState state = scene.state;
@@ -245,14 +245,14 @@ TEST(RealTimeIteration, RefusesWhatIsNotFiniteAndKeepsItsNodes) {
   for (int row = 0; row < 5; ++row) {
     LateralState bad = scene.state;
     bad[row] = row % 2 == 0 ? kNan : std::numeric_limits<double>::infinity();
-    EXPECT_EQ(nmpc.iterate(scene.data, bad, 1, 0.0).status, NmpcStatus::kNotFinite) << row;
+    EXPECT_EQ(nmpc.iterate(scene.data, bad, 1, 0.0).status, QpStatus::kNotFinite) << row;
     for (int k = 0; k < 40; ++k) EXPECT_EQ(nmpc.moves()[k], moves[k]);
   }
   HorizonData windy = scene.data;
   windy.conditions.wind.x() = kNan;
   EXPECT_FALSE(nmpc.prepare(windy));
-  EXPECT_EQ(nmpc.feedback(scene.state).status, NmpcStatus::kNotFinite);
-  EXPECT_EQ(nmpc.iterate(scene.data, scene.state, 1, 0.0).status, NmpcStatus::kOptimal);
+  EXPECT_EQ(nmpc.feedback(scene.state).status, QpStatus::kNotFinite);
+  EXPECT_EQ(nmpc.iterate(scene.data, scene.state, 1, 0.0).status, QpStatus::kOptimal);
 }
 
 TEST(RealTimeIteration, HoldsTheRollBoundOrExceedsItLeast) {
@@ -267,7 +267,7 @@ TEST(RealTimeIteration, HoldsTheRollBoundOrExceedsItLeast) {
     nmpc.setTuning(LateralWeights{}, limits);
     nmpc.reset(scene.data, scene.state, 0.0);
     const NmpcReport report = nmpc.iterate(scene.data, scene.state, 3, 0.0);
-    EXPECT_EQ(report.status, NmpcStatus::kOptimal);
+    EXPECT_EQ(report.status, QpStatus::kOptimal);
     double latest = 0.0;
     for (int k = 1; k <= 40; ++k) {
       if (std::abs(nmpc.nodes()[k][Index::kRoll]) > limits.roll + 1e-9) latest = 0.1 * k;

@@ -1,18 +1,11 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <vector>
 
-namespace polyfly {
+#include "mpc_core/bounded_qp.hpp"
+#include "mpc_core/stage_condensing.hpp"
 
-enum class HorizonQpStatus : std::uint8_t {
-  kOptimal,
-  /// The moves are those of the last iterate, clipped to their bounds.
-  kIterationLimit,
-  /// The data contain NaN or infinity; the moves are zero.
-  kNotFinite,
-};
+namespace polyfly {
 
 /// The roll loop over one step, the same at every stage: (phi, p)' = [[phi_phi, phi_p], [p_phi, p_p]] (phi,
 /// p) + (phi_u, p_u) u.
@@ -52,9 +45,7 @@ struct Interval {
 /// is that of the hard problem where one exists, and the least sum of excesses where none does. So the problem always
 /// has a solution.
 ///
-/// The moves without bounds come from a Riccati recursion, linear in N. The bounds are met by a dual active-set
-/// method (Goldfarb and Idnani, 1983) with multipliers in [-rho, rho]. One response of the moves to a unit multiplier
-/// costs another O(N). It is made only for bounds that come into play. One object serves one thread.
+/// It is condensed to the moves, which BoundedQp finds. One object serves one thread.
 class HorizonQp {
  public:
   /// N >= 1 moves. Allocates here only; throws std::bad_alloc.
@@ -73,92 +64,39 @@ class HorizonQp {
   /// Penalty weight of a radian of excess roll, > 0.
   double rho = 1e3;
 
-  /// All that does not need x_0: the recursion, and the responses of the bounds active in the last solution.
-  /// False where a number is not finite or the curvature is not positive.
+  /// All that does not need x_0. False where a number is not finite or the curvature is not positive.
   bool prepare() noexcept;
 
-  /// The solution from the deviation x_0 = (n, e, psi, phi, p). After `prepare`.
-  HorizonQpStatus solve(const double* x_0) noexcept;
+  /// The solution from the deviation x_0 = (n, e, psi, phi, p). After `prepare`. At kIterationLimit the moves are those of
+  /// the last iterate, within their bounds.
+  QpStatus solve(const double* x_0) noexcept;
 
-  const double* moves() const noexcept { return value_.data(); }  ///< N
-  const double* states() const noexcept { return x_.data(); }     ///< 5 (N + 1), stage by stage
+  const double* moves() const noexcept { return qp_.x(); }     ///< N
+  const double* states() const noexcept { return x_.data(); }  ///< 5 (N + 1), stage by stage
   /// Of move k, or of phi_{k - N + 1} for k >= N; positive at the upper bound, negative at the lower.
   const double* multipliers() const noexcept { return multiplier_.data(); }  ///< 2 N
-  int activeCount() const noexcept { return active_count_; }
-  int iterations() const noexcept { return iterations_; }
+  int activeCount() const noexcept;
+  int iterations() const noexcept { return qp_.iterations(); }
 
   /// Forgets the active set, as after a jump.
   void coldStart() noexcept;
 
  private:
-  enum class Place : std::uint8_t { kFree, kActive, kRelaxed };
-  struct Gain {
-    // Feedback gain: u = K x + feedforward.
-    double K[5];
-    // Inverse of the curvature along u.
-    double D_inverse;
-  };
-
-  bool recursion() noexcept;
-  void rollOut(const double* x_0) noexcept;
-  void followMoves(const double* x_0) noexcept;
-  void respond(int channel) noexcept;
-  void ensureResponse(int channel) noexcept;
-  double response(int of, int to) const noexcept {
-    return responses_[static_cast<std::size_t>(of) * channels_ + to];
-  }
-  double reach(int channel) const noexcept { return channel < N_ ? unbounded_ : rho; }
-  double boundOf(int channel, double side) const noexcept {
-    return side > 0.0 ? bounds_[channel].upper : bounds_[channel].lower;
-  }
-
-  void restart() noexcept;
-  void settle() noexcept;
-  void release(int position) noexcept;
-  bool isFeasible() const noexcept;
-  int mostViolated(double& direction) const noexcept;
-  bool drive(int channel, double direction) noexcept;
-  double blockingStep(double direction, int& blocking) const noexcept;
-  bool polish() noexcept;
-  void updateValues() noexcept;
-  void resolveMultipliers() noexcept;
-  void buildFactor() noexcept;
-  bool append(int channel) noexcept;
-  void drop(int position) noexcept;
-  void solveFactor(double* x) const noexcept;
+  void linearTerms() noexcept;
+  // The states from x_0 by the moves; without moves where there are none.
+  void rollOut(const double* x_0, const double* moves) noexcept;
 
   int N_ = 0;
-  // Number of channels, 2 N: the moves, then phi_1 .. phi_N.
-  int channels_ = 0;
-  double unbounded_ = 0.0;
   std::vector<HorizonStage> stages_;
   std::vector<Interval> bounds_;
-  std::vector<Gain> gains_;
-  std::vector<double> feedforward_;
-  std::vector<double> feedforward_response_;
+  StageCondensing<5, 1> condensing_;
+  BoundedQp qp_;
   std::vector<double> x_;  // 5 (N + 1)
-  // Channel values without multipliers.
-  std::vector<double> free_value_;
-  // Channel values.
-  std::vector<double> value_;
-  // Channel multipliers.
   std::vector<double> multiplier_;
-  // Column c: the decrease of each channel per unit multiplier of channel c.
-  std::vector<double> responses_;
-  // 1 where the response column belongs to the present recursion.
-  std::vector<std::uint8_t> known_;
-  std::vector<Place> place_;
-  // Bound of a channel that is not free: 1 is the upper bound, -1 the lower.
-  std::vector<double> side_;
-  std::vector<int> active_;
-  // Cholesky factor, rows of the active channels.
-  std::vector<double> factor_;
-  // Work space.
-  std::vector<double> direction_;
-  int active_count_ = 0;
-  int iterations_ = 0;
-  // True when at least one bound is relaxed.
-  bool is_relaxed_ = false;
+  // Derivatives of phi_1 .. phi_N by the moves, column by column.
+  std::vector<double> rows_;
+  std::vector<double> gradient_, lower_, upper_;
+  bool is_warm_ = false;
 };
 
 }  // namespace polyfly

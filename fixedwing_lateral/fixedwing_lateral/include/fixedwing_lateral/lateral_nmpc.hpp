@@ -13,17 +13,13 @@
 
 namespace polyfly {
 
-enum class NmpcStatus : std::uint8_t {
-  /// The quadratic program was solved. The real-time iteration may not have converged.
-  kOptimal,
-  /// The moves are feasible, not optimal.
-  kIterationLimit,
-  /// A value is NaN or infinite, or the curvature is not positive. The nodes stay as they were.
-  kNotFinite,
-};
-
 struct NmpcReport {
-  NmpcStatus status = NmpcStatus::kOptimal;
+  /// Of the quadratic program. The real-time iteration may not have converged.
+  QpStatus status = QpStatus::kOptimal;
+  /// Whether the moves are feasible, optimal or not. Else the nodes stay as they were.
+  bool hasMoves() const noexcept {
+    return status == QpStatus::kOptimal || status == QpStatus::kIterationLimit;
+  }
   /// KKT measure before this iteration: largest of the projected gradient by a move and the gaps [-].
   double kkt = 0.0;
   /// Cost before this iteration: the sum of Eq. 46 at the nodes [-].

@@ -5,6 +5,7 @@
 
 #include "mpc_core/aligned_array.hpp"
 #include "mpc_core/bounded_qp.hpp"
+#include "mpc_core/stage_condensing.hpp"
 #include "nonlinear_mpc/multirotor_model.hpp"
 #include "polyfly_base/range.hpp"
 
@@ -153,36 +154,19 @@ class NonlinearMpc {
   double stateViolation() const noexcept { return qp_.violation(); }
 
  private:
-  using Block = Eigen::Matrix<double, kMultirotorStates, kMultirotorStates, Eigen::RowMajor>;
+  using Condensing = StageCondensing<kMultirotorStates, kMultirotorInputs>;
   /// A limit of a state at each stage but the first, relaxed.
   struct SoftLimit {
     int state;
     double lower, upper;
     double penalty;
   };
-  struct Stage {
-    StageStep step;
-    Block A_transposed;
-    Eigen::Matrix<double, kMultirotorInputs, kMultirotorStates, Eigen::RowMajor> B_transposed;
-  };
-  /// What feedback() reads of a stage: A and B without their zeros and ones. That takes a third of the memory, since
-  /// another processor may have prepared it.
+  /// What feedback() reads of a stage beside A and B.
   struct Transition {
-    // Derivative of position and velocity by velocity, roll, pitch.
-    Eigen::Matrix<double, 6, 5> by_motion;
-    // Derivative of position and velocity by the inputs.
-    Eigen::Matrix<double, 6, 3> by_input;
-    // Derivatives of roll and pitch by themselves, and by their commands.
-    Eigen::Array2d decay, drive;
     MultirotorState defect;  // f(x_k, u_k) - x_{k+1}
     // Derivative of z_B T by roll, pitch, T.
     Eigen::Vector3d lift_slope;
     double lift = 0.0;  // z_B T
-
-    void set(const StageStep& step) noexcept;
-    MultirotorState advance(const MultirotorState& change) const noexcept;         // A change + defect
-    MultirotorInput inputGradient(const MultirotorState& adjoint) const noexcept;  // B' adjoint
-    MultirotorState stateGradient(const MultirotorState& adjoint) const noexcept;  // A' adjoint
   };
 
   static std::vector<SoftLimit> softLimits(const NonlinearMpcOptions& options);
@@ -190,39 +174,28 @@ class NonlinearMpc {
   int rowCount() const noexcept { return options_.horizon * static_cast<int>(soft_limits_.size()); }
   void computeTerminalWeight();
   void linearise(const StageConditions* stages) noexcept;
-  void condense(double end_yaw) noexcept;
-  void extendSensitivities(int k) noexcept;
-  void startAdjoint(double end_yaw) noexcept;
-  void addLift(int k, double slope, double* out) noexcept;
-  void writeHessianRows(int k) noexcept;
-  void stepAdjoint(int k) noexcept;
+  void weigh(int k) noexcept;
+  void weighEnd(double yaw) noexcept;
   void setSoftRows() noexcept;
   void propagate(const MultirotorState& deviation) noexcept;
   void computeGradient(const StageReference* references) noexcept;
   double shareOfStep() const noexcept;
   double costOfRows(double share) const noexcept;
   void expand(double share) noexcept;
-  double* sensitivity(int k) noexcept { return sensitivities_.data() + k * kMultirotorStates * stride_; }
 
   NonlinearMpcOptions options_;
   std::vector<SoftLimit> soft_limits_;
-  // Number of inputs in whole packs.
-  int stride_ = 0;
+  Condensing condensing_;
   BoundedQp qp_;
   // Terminal weight at yaw 0.
-  Block hover_weight_;
-  // Terminal weight, turned by the yaw.
-  Block terminal_weight_;
+  Condensing::StateMatrix hover_weight_;
   MultirotorState state_weight_;
 
-  std::vector<Stage> stages_;            // N
   std::vector<Transition> transitions_;  // N
   std::vector<MultirotorState> states_;  // N + 1
   std::vector<MultirotorState> deviations_;
   std::vector<MultirotorInput> inputs_;  // N
-  AlignedArray sensitivities_;           // (N + 1) x states x inputs: d x_k / d u, by rows
-  AlignedArray adjoint_, adjoint_next_;  // states x inputs
-  AlignedArray H_, g_, lower_, upper_, rows_, row_lower_, row_upper_, row_;
+  AlignedArray g_, lower_, upper_, rows_, row_lower_, row_upper_;
   double step_length_ = 0.0;
 };
 

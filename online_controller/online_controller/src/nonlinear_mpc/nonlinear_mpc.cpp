@@ -6,7 +6,6 @@
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/qp_kernels.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -57,23 +56,17 @@ std::size_t size(int a, int b) { return static_cast<std::size_t>(a) * static_cas
 NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
     : options_(checked(options)),
       soft_limits_(softLimits(options)),
-      stride_(wholePacks(kNu * options.horizon)),
+      condensing_(options.horizon),
       qp_(kNu * options.horizon, rowCount()) {
   const int N = options_.horizon;
   const int n = kNu * N;
   const int m = rowCount();
   state_weight_ << options_.position_weight, options_.velocity_weight, options_.roll_weight,
       options_.pitch_weight;
-  stages_.resize(static_cast<std::size_t>(N));
   transitions_.resize(static_cast<std::size_t>(N));
   inputs_.assign(static_cast<std::size_t>(N), MultirotorInput(0.0, 0.0, options_.model.gravity));
   states_.assign(static_cast<std::size_t>(N + 1), MultirotorState::Zero());
   deviations_ = states_;
-  sensitivities_ = AlignedArray(size((N + 1) * kNx, stride_));
-  adjoint_ = AlignedArray(size(kNx, stride_));
-  adjoint_next_ = AlignedArray(size(kNx, stride_));
-  H_ = AlignedArray(size(n, n));
-  row_ = AlignedArray(static_cast<std::size_t>(stride_));
   for (AlignedArray* array : {&g_, &lower_, &upper_}) *array = AlignedArray(static_cast<std::size_t>(n));
   rows_ = AlignedArray(size(m, n));
   for (AlignedArray* array : {&row_lower_, &row_upper_}) *array = AlignedArray(static_cast<std::size_t>(m));
@@ -97,35 +90,6 @@ std::vector<NonlinearMpc::SoftLimit> NonlinearMpc::softLimits(const NonlinearMpc
   return limits;
 }
 
-void NonlinearMpc::Transition::set(const StageStep& step) noexcept {
-  by_motion = step.A.block<6, 5>(0, 3);
-  by_input = step.B.topRows<6>();
-  decay << step.A(6, 6), step.A(7, 7);
-  drive << step.B(6, 0), step.B(7, 1);
-}
-
-MultirotorState NonlinearMpc::Transition::advance(const MultirotorState& change) const noexcept {
-  MultirotorState next = defect;
-  next.head<3>() += change.head<3>();
-  next.head<6>() += by_motion * change.tail<5>();
-  next.tail<2>().array() += decay * change.tail<2>().array();
-  return next;
-}
-
-MultirotorInput NonlinearMpc::Transition::inputGradient(const MultirotorState& adjoint) const noexcept {
-  MultirotorInput gradient = by_input.transpose() * adjoint.head<6>();
-  gradient.head<2>().array() += drive * adjoint.tail<2>().array();
-  return gradient;
-}
-
-MultirotorState NonlinearMpc::Transition::stateGradient(const MultirotorState& adjoint) const noexcept {
-  MultirotorState gradient;
-  gradient.head<3>() = adjoint.head<3>();
-  gradient.tail<5>() = by_motion.transpose() * adjoint.head<6>();
-  gradient.tail<2>().array() += decay * adjoint.tail<2>().array();
-  return gradient;
-}
-
 void NonlinearMpc::computeTerminalWeight() {
   StageStep hover;
   const double gravity = options_.model.gravity;
@@ -134,7 +98,6 @@ void NonlinearMpc::computeTerminalWeight() {
   const Eigen::Vector3d R(options_.roll_command_weight, options_.pitch_command_weight,
                           options_.thrust_weight);
   hover_weight_ = solveRiccati(hover.A, hover.B, Q, R.asDiagonal());
-  terminal_weight_ = hover_weight_;
 }
 
 void NonlinearMpc::start(const MultirotorState& x, const MultirotorInput& u,
@@ -157,7 +120,7 @@ bool NonlinearMpc::transferState(const NonlinearMpc& other) noexcept {
 }
 
 void NonlinearMpc::shift(double share) noexcept {
-  const std::size_t N = stages_.size();
+  const std::size_t N = transitions_.size();
   for (std::size_t k = 0; k + 1 < N; ++k) inputs_[k] += share * (inputs_[k + 1] - inputs_[k]);
   const MultirotorState beyond = states_[N] + (states_[N] - states_[N - 1]);
   for (std::size_t k = 0; k <= N; ++k) {
@@ -168,27 +131,62 @@ void NonlinearMpc::shift(double share) noexcept {
 bool NonlinearMpc::prepare(const StageConditions* stages) noexcept {
   linearise(stages);
   const StageConditions& last = stages[options_.horizon - 1];
-  condense(last.yaw + options_.period * last.yaw_rate);
+  weighEnd(last.yaw + options_.period * last.yaw_rate);
+  condensing_.condense();
   if (!soft_limits_.empty()) setSoftRows();
-  return qp_.setHessian(H_.data());
+  return qp_.setHessian(condensing_.hessian());
 }
 
 void NonlinearMpc::linearise(const StageConditions* stages) noexcept {
-  for (std::size_t k = 0; k < stages_.size(); ++k) {
-    Stage& stage = stages_[k];
-    const MultirotorState& x = states_[k];
-    const MultirotorInput& u = inputs_[k];
-    integrateStage(options_.model, options_.period, stages[k], x, u, stage.step);
-    stage.A_transposed = stage.step.A.transpose();
-    stage.B_transposed = stage.step.B.transpose();
-    Transition& transition = transitions_[k];
-    transition.set(stage.step);
-    transition.defect = stage.step.next - states_[k + 1];
-    const double sr = std::sin(x(6)), cr = std::cos(x(6));
-    const double sp = std::sin(x(7)), cp = std::cos(x(7));
-    transition.lift = cp * cr * u(2);
-    transition.lift_slope = {-cp * sr * u(2), -sp * cr * u(2), cp * cr};
+  StageStep step;
+  for (int k = 0; k < options_.horizon; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    integrateStage(options_.model, options_.period, stages[k], states_[i], inputs_[i], step);
+    condensing_.stages()[i].A = step.A;
+    condensing_.stages()[i].B = step.B;
+    transitions_[i].defect = step.next - states_[i + 1];
+    weigh(k);
   }
+}
+
+// The weights of stage k; that of the lift z_B T depends on tilt and thrust.
+void NonlinearMpc::weigh(int k) noexcept {
+  const MultirotorState& x = state(k);
+  const double thrust = input(k)(2);
+  const double sr = std::sin(x(6)), cr = std::cos(x(6));
+  const double sp = std::sin(x(7)), cp = std::cos(x(7));
+  Transition& transition = transitions_[static_cast<std::size_t>(k)];
+  transition.lift = cp * cr * thrust;
+  transition.lift_slope = {-cp * sr * thrust, -sp * cr * thrust, cp * cr};
+  auto& weight = condensing_.stages()[static_cast<std::size_t>(k)].weight;
+  weight.setZero();
+  weight.diagonal() << state_weight_, options_.roll_command_weight, options_.pitch_command_weight, 0.0;
+  constexpr int kOn[] = {kNx - 2, kNx - 1, kNx + kNu - 1};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j)
+      weight(kOn[i], kOn[j]) += options_.thrust_weight * transition.lift_slope(i) * transition.lift_slope(j);
+  }
+}
+
+void NonlinearMpc::weighEnd(double yaw) noexcept {
+  Condensing::StateMatrix turn = Condensing::StateMatrix::Identity();
+  const double cosine = std::cos(yaw);
+  const double sine = std::sin(yaw);
+  for (const int i : {0, 3}) turn.block<2, 2>(i, i) << cosine, sine, -sine, cosine;
+  condensing_.terminalWeight().noalias() = turn.transpose() * (hover_weight_ * turn).eval();
+}
+
+void NonlinearMpc::setSoftRows() noexcept {
+  const int m = rowCount();
+  int index = 0;
+  for (int k = 1; k <= options_.horizon; ++k) {
+    for (const SoftLimit& limit : soft_limits_) {
+      const double* row = condensing_.sensitivity(k, limit.state);
+      for (int j = 0; j < kNu * k; ++j) rows_[j * m + index] = row[j];
+      ++index;
+    }
+  }
+  qp_.setRows(rows_.data());
 }
 
 QpStatus NonlinearMpc::feedback(const MultirotorState& x, const StageReference* references) noexcept {
@@ -222,7 +220,7 @@ double NonlinearMpc::shareOfStep() const noexcept {
   double slope = 0.0, curvature = 0.0;
   for (int j = 0; j < n; ++j) {
     // Column of the lower triangle.
-    const double* column = H_.data() + static_cast<std::ptrdiff_t>(j) * n;
+    const double* column = condensing_.hessian() + static_cast<std::ptrdiff_t>(j) * n;
     double product = 0.5 * column[j] * x[j];
     for (int i = j + 1; i < n; ++i) product += column[i] * x[i];
     slope += g_[j] * x[j];
@@ -253,7 +251,7 @@ double NonlinearMpc::costOfRows(double share) const noexcept {
 void NonlinearMpc::propagate(const MultirotorState& deviation) noexcept {
   deviations_[0] = deviation;
   for (std::size_t k = 0; k < transitions_.size(); ++k)
-    deviations_[k + 1] = transitions_[k].advance(deviations_[k]);
+    deviations_[k + 1] = condensing_.stages()[k].A * deviations_[k] + transitions_[k].defect;
   int row = 0;
   for (int k = 0; k < options_.horizon; ++k) {
     const auto next = static_cast<std::size_t>(k + 1);
@@ -275,20 +273,21 @@ void NonlinearMpc::computeGradient(const StageReference* references) noexcept {
     return MultirotorState(states_[static_cast<std::size_t>(k)] + deviations_[static_cast<std::size_t>(k)] -
                            target);
   };
-  MultirotorState adjoint = terminal_weight_ * error(N);
+  MultirotorState adjoint = condensing_.terminalWeight() * error(N);
   for (int k = N - 1; k >= 0; --k) {
-    const Transition& stage = transitions_[static_cast<std::size_t>(k)];
+    const Condensing::Stage& stage = condensing_.stages()[static_cast<std::size_t>(k)];
+    const Transition& transition = transitions_[static_cast<std::size_t>(k)];
     const MultirotorInput& u = inputs_[static_cast<std::size_t>(k)];
     const Eigen::Vector2d tilt = deviations_[static_cast<std::size_t>(k)].tail<2>();
-    const double lift =
-        options_.thrust_weight * (stage.lift + stage.lift_slope.head<2>().dot(tilt) - references[k].lift);
+    const double lift = options_.thrust_weight *
+                        (transition.lift + transition.lift_slope.head<2>().dot(tilt) - references[k].lift);
     Eigen::Map<Eigen::Vector3d> g(g_.data() + kNu * k);
-    g = stage.inputGradient(adjoint);
+    g.noalias() = stage.B.transpose() * adjoint;
     g(0) += options_.roll_command_weight * (u(0) - references[k].roll_command);
     g(1) += options_.pitch_command_weight * (u(1) - references[k].pitch_command);
-    g(2) += lift * stage.lift_slope(2);
-    adjoint = stage.stateGradient(adjoint) + state_weight_.cwiseProduct(error(k));
-    adjoint.tail<2>() += lift * stage.lift_slope.head<2>();
+    g(2) += lift * transition.lift_slope(2);
+    adjoint = (stage.A.transpose() * adjoint + state_weight_.cwiseProduct(error(k))).eval();
+    adjoint.tail<2>() += lift * transition.lift_slope.head<2>();
   }
 }
 
@@ -303,12 +302,10 @@ void NonlinearMpc::expand(double share) noexcept {
     // Limits may have been changed: then the origin lies beyond them.
     const Eigen::Vector3d du = (share * whole).cwiseMax(least).cwiseMin(most);
     step_length_ = std::max(step_length_, du.cwiseAbs().maxCoeff());
-    MultirotorState next = transitions_[k].advance(change);
-    next.head<6>() += transitions_[k].by_input * du;
-    next.tail<2>().array() += transitions_[k].drive * du.head<2>().array();
+    const Condensing::Stage& stage = condensing_.stages()[k];
     states_[k] += change;
     inputs_[k] += du;
-    change = next;
+    change = (stage.A * change + stage.B * du + transitions_[k].defect).eval();
   }
   states_.back() += change;
 }
