@@ -67,7 +67,7 @@ class Certificate {
   void check() const;
   Progress progress = [](const char*, std::size_t, std::size_t) {};
   /// The numbers of the program, and its equalities.
-  const Matrices& program() const { return originalData(); }
+  const Matrices& program() const { return data_; }
   const std::set<std::size_t>& equalities() const { return equalities_; }
   /// What a reader must know besides "confirmed".
   virtual std::string conditions() const;
@@ -85,7 +85,6 @@ class Certificate {
   virtual void complete() {}
   /// After complete(): the program has its final numbers.
   virtual void finish() {}
-  virtual const Matrices& originalData() const { return data_; }
   const std::string& convexity() const { return convexity_; }
   const std::string& coverage() const { return coverage_; }
   virtual void requireKinds(const std::string& convexity, const std::string& coverage) const;

@@ -7,14 +7,7 @@
 namespace checker {
 namespace {
 
-constexpr unsigned long kDroppedBits = 30, kToleratedBits = 40, kRelaxedBits = 40;
-
-Fraction greatestOf(const Matrix& matrix, std::size_t first, std::size_t count) {
-  Fraction greatest;
-  for (std::size_t k = first; k < first + count; ++k)
-    greatest = std::max(greatest, Fraction(abs(matrix.entries[k])));
-  return greatest;
-}
+constexpr unsigned long kDroppedBits = 30, kToleratedBits = 40;
 
 /// slack >= - (2^-bits of the size of its inequality).
 Row within(const Slack& slack, int sign, unsigned long bits) {
@@ -27,14 +20,11 @@ Row within(const Slack& slack, int sign, unsigned long bits) {
 }  // namespace
 
 void ExtendedCertificate::finish() {
-  for (const auto* rows : {&dropped_, &relaxed_})
-    require(rows->empty() || *rows->rbegin() < m_, "no such row");
+  require(dropped_.empty() || *dropped_.rbegin() < m_, "no such row");
   const Vector& H = data("H").entries;
   const bool is_zero = std::all_of(H.begin(), H.end(), [](const Fraction& entry) { return entry == 0; });
   require(is_zero == isLinear(), "convexity: H is zero, or is not");
   require(weights_.empty() || (is_zero && weights_.size() == n_), "weights do not fit the program");
-  original_ = data_;
-  relaxBounds();
 }
 
 /// Equalities, and inequalities that can only hold with equality.
@@ -61,15 +51,9 @@ void ExtendedCertificate::checkProgram() const {
     require(!isInBasis(row), "a row of the basis is dropped");
     require(allowed.count(row) == 0 || equalities_.count(row) > 0, "an implied equality is dropped");
   }
-  for (const std::size_t row : relaxed_) require(allowed.count(row) == 0, "an equality is relaxed");
   if (isLinear()) return;
   checkConvexity();
   checkUniqueness();
-}
-
-void ExtendedCertificate::relaxBounds() {
-  for (const std::size_t row : relaxed_)
-    data_.at("b").entries[row] += greatestOf(data("A"), row * n_, n_) / Fraction(Integer(1) << kRelaxedBits);
 }
 
 /// Dropped rows are no conditions, but hold up to rounding. So do tolerated ones.

@@ -12,8 +12,8 @@ namespace {
 
 // How lines of extensions begin.
 const char* const kOfExtensions[] = {
-    "dropped ",   "relaxed ",           "implied ",    "weights ",   "left_out ",      "dropped_follows ",
-    "tolerated ", "tolerated_follows ", "convexity l", "coverage w", "sliver_region ", "sliver_cover "};
+    "dropped ",           "implied ",    "weights ",   "left_out ",      "dropped_follows ", "tolerated ",
+    "tolerated_follows ", "convexity l", "coverage w", "sliver_region ", "sliver_cover "};
 
 // 2^kGreatestWeight is the greatest weight of a variable. Doubles span no more.
 constexpr std::size_t kGreatestWeight = 8192;
@@ -40,10 +40,9 @@ std::unique_ptr<Certificate> readCertificate(const std::string& text, const Map&
 
 bool ExtendedCertificate::readFurther(const std::string& key, Line& line) {
   if (!isOfExtension(key + " ")) return false;
-  if (key == "dropped" || key == "relaxed") {
-    std::set<std::size_t>& rows = key == "dropped" ? dropped_ : relaxed_;
-    require(rows.empty(), key + " is given twice");
-    for (std::size_t k = line.count(kMany); k > 0; --k) rows.insert(line.count(kMany));
+  if (key == "dropped") {
+    require(dropped_.empty(), key + " is given twice");
+    for (std::size_t k = line.count(kMany); k > 0; --k) dropped_.insert(line.count(kMany));
     return true;
   }
   if (key == "weights") {
@@ -124,7 +123,6 @@ std::string ExtendedCertificate::conditions() const {
   for (const FurtherClaim& claim : further_) tolerated += claim.tolerated.size();
   add(tolerated, "rows hold in a region within 2^-40 of their size only");
   if (isLinear()) text += "linear program: of several optima the shortest\n";
-  add(relaxed_.size(), "rows have bounds that are greater by 2^-40 of their size");
   const auto is_equality = [this](std::size_t row) { return equalities_.count(row) > 0; };
   const auto near = static_cast<std::size_t>(std::count_if(dropped_.begin(), dropped_.end(), is_equality));
   add(near, "equalities hold within 2^-40 of their size only");

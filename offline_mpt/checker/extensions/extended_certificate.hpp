@@ -45,10 +45,8 @@ class ExtendedCertificate : public Certificate {
 
   // degenerate_program.cpp
   void finish() override;
-  const Matrices& originalData() const override { return original_; }
   std::set<std::size_t> equalityRows() const;
   bool isLeftOut(std::size_t row) const override { return dropped_.count(row) > 0; }
-  void relaxBounds();
   void addSlack(std::size_t i, const Slack& slack, Region& region) const override;
 
   // linear_program.cpp
@@ -68,8 +66,7 @@ class ExtendedCertificate : public Certificate {
                        std::vector<std::size_t>& used) const;
   FacetBehind checkFacet(std::size_t index, const Region& region, std::size_t facet) const override;
 
-  Matrices original_;
-  std::set<std::size_t> dropped_, relaxed_;
+  std::set<std::size_t> dropped_;
   /// Of |z|^2, as binary logarithms. None: they are all the same.
   std::vector<std::size_t> weights_;
   std::vector<Weights> implied_;

@@ -110,9 +110,6 @@ struct CertifyReport {
   std::vector<int> dropped_equalities;
   /// Rows that others imply up to rounding; proven within 2^-30 of their size.
   std::vector<int> dropped_rows;
-  /// Rows whose bounds count as greater by 2^-40 of their size: in some regions they are tight up to
-  /// rounding.
-  std::vector<int> relaxed_rows;
   /// Defects by region, then row.
   std::vector<Defect> defects;
   bool interrupted = false;

@@ -36,7 +36,6 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
     text += "\n";
   }
   if (!adjustment.dropped.empty()) appendList("dropped", adjustment.dropped, text);
-  if (!adjustment.relaxed.empty()) appendList("relaxed", adjustment.relaxed, text);
   if (!adjustment.weights.empty()) appendList("weights", adjustment.weights, text);
   const char* const convexity = program.H.isZero(0.0) ? "linear" : "definite";
   text += std::string("convexity ") + convexity + " " + hex(adjustment.penalty) + "\n";

@@ -138,7 +138,6 @@ void describePerturbation(const ParametricProgram& source, const ExactProgram& p
     (program.is_equality[static_cast<std::size_t>(row)] != 0 ? report.dropped_equalities
                                                              : report.dropped_rows)
         .push_back(row);
-  report.relaxed_rows = adjustment.relaxed;
   for (const ZeroCombination& proof : adjustment.implied) {
     for (const auto& [row, weight] : proof) {
       const bool given =
@@ -207,29 +206,6 @@ bool checkAllRegions(const CheckContext& context, std::vector<RegionCheck>& chec
   checks.assign(count, {});
   return fillShared<RegionCheck>(checks, context.options, progressFrom(0, 3 * count, context.options),
                                  [&](std::uint32_t r) { return checkRegion(context, r); });
-}
-
-/// Rows whose slack is negative in regions that claim otherwise may hold there up to rounding: those that no
-/// region counts as active are dropped, the others relaxed. False where there are no more.
-bool relaxRows(const std::vector<RegionCheck>& checks, const std::vector<char>& may_drop,
-               const ExactProgram& program, ProgramPerturbation& adjustment) {
-  std::set<int> rows;
-  for (const RegionCheck& check : checks) rows.insert(check.unlisted.begin(), check.unlisted.end());
-  bool more = false;
-  for (const int row : rows) {
-    const auto at = static_cast<std::size_t>(row);
-    const auto known = [row](const std::vector<int>& list) {
-      return std::find(list.begin(), list.end(), row) != list.end();
-    };
-    if (program.in_basis[at] != 0 || program.is_equality[at] != 0 || known(adjustment.dropped) ||
-        known(adjustment.relaxed))
-      return false;
-    (may_drop[at] != 0 ? adjustment.dropped : adjustment.relaxed).push_back(row);
-    more = true;
-  }
-  std::sort(adjustment.dropped.begin(), adjustment.dropped.end());
-  std::sort(adjustment.relaxed.begin(), adjustment.relaxed.end());
-  return more;
 }
 
 StatedTolerances statedTolerances(const std::vector<RegionCheck>& checks, const CertifyOptions& options) {
@@ -329,8 +305,7 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   checkProgram(program);
   requireSameProblem(map, program);
   requireSameTask(map, options);
-  const std::vector<char> may_drop = rowsNeverActive(map, program.rowCount());
-  const ProgramPerturbation adjustment = adjust(program, may_drop);
+  const ProgramPerturbation adjustment = adjust(program, rowsNeverActive(map, program.rowCount()));
   const ExactProgram exact(program, adjustment);
   const CheckContext context{map, program, exact, options};
   std::vector<RegionCheck> checks;
@@ -339,22 +314,14 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   if (as_given.passed() || as_given.interrupted || map.regionCount() > kMostWidened ||
       onlyLookups(as_given.defects))
     return as_given;
-  // Where coincidences hold up to rounding only, rows may give way by as little, or slivers between regions
-  // may be too many or too thin to be described: the regions moved outwards then cover all.
-  ProgramPerturbation fewer = adjustment;
+  // Where coincidences hold up to rounding only, slivers between regions may be too many or too thin to be described: the
+  // regions moved outwards then cover all.
   std::vector<RegionCheck> again;
-  if (relaxRows(checks, may_drop, exact, fewer)) {
-    const ExactProgram without(program, fewer);
-    const CheckContext second{map, program, without, options};
-    if (!checkAllRegions(second, again)) return as_given;
-    CertifyReport report = finish(second, fewer, false, again, false);
-    if (report.passed() || report.interrupted) return report;
-  }
   ExactProgram forgiving = exact;
   forgiving.forgiving = true;
-  const CheckContext third{map, program, forgiving, options};
-  if (!checkAllRegions(third, again)) return as_given;
-  CertifyReport widened = finish(third, adjustment, true, again, false);
+  const CheckContext second{map, program, forgiving, options};
+  if (!checkAllRegions(second, again)) return as_given;
+  CertifyReport widened = finish(second, adjustment, true, again, false);
   if (widened.passed() || widened.interrupted) return widened;
   return as_given;
 }

@@ -168,7 +168,6 @@ void proveRows(const CheckContext& context, std::uint32_t index, const ExactRegi
       ++check.forgiven;
       return;
     }
-    if (row.origin.kind == ExactOrigin::Kind::kSlack) check.unlisted.push_back(row.origin.index);
     double outside = -row.unit.back();
     for (std::size_t j = 0; j < result.witness.size(); ++j)
       outside += row.unit[j] * result.witness[j].get_d();

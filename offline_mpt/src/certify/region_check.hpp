@@ -44,8 +44,6 @@ struct RegionCheck {
   std::size_t left_out = 0;
   /// Number of conditions that hold up to rounding only.
   std::uint64_t forgiven = 0;
-  /// Rows whose slack is negative somewhere in the region.
-  std::vector<int> unlisted;
   double law_error = 0.0;
   double plane_error = 0.0;
   std::vector<Defect> defects;

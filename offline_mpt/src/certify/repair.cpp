@@ -115,7 +115,6 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
   adjustment.dropped = result.report.dropped_equalities;
   adjustment.dropped.insert(adjustment.dropped.end(), result.report.dropped_rows.begin(),
                             result.report.dropped_rows.end());
-  adjustment.relaxed = result.report.relaxed_rows;
   const ExactProgram exact(program, adjustment);
   const CheckContext context{map, program, exact, options};
   Found found;

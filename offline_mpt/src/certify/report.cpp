@@ -64,10 +64,6 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
   if (!report.dropped_rows.empty())
     text << "  rows that others imply up to rounding, proven to hold within 2^-30 of their size: "
          << list(report.dropped_rows) << "\n";
-  if (!report.relaxed_rows.empty())
-    text << "  rows that are tight up to rounding, proven with bounds that are greater by 2^-40 of their "
-            "size: "
-         << list(report.relaxed_rows) << "\n";
 }
 
 }  // namespace
@@ -143,7 +139,6 @@ std::string certifyJson(const CertifyReport& report) {
   json["implied_equalities"] = report.implied_equalities;
   json["dropped_equalities"] = report.dropped_equalities;
   json["dropped_rows"] = report.dropped_rows;
-  json["relaxed_rows"] = report.relaxed_rows;
   json["defects"] = nlohmann::ordered_json::array();
   for (const Defect& defect : report.defects) {
     nlohmann::ordered_json entry;

@@ -32,8 +32,8 @@ void members(Archive& archive, CheckedFacet& facet) {
 template <typename Archive>
 void members(Archive& archive, RegionCheck& check) {
   archive(check.described, check.active, check.is_sliver, check.covered_by, check.facets, check.listed,
-          check.idle, check.point, check.rows, check.implied, check.left_out, check.forgiven, check.unlisted,
-          check.law_error, check.plane_error, check.defects, check.text);
+          check.idle, check.point, check.rows, check.implied, check.left_out, check.forgiven, check.law_error,
+          check.plane_error, check.defects, check.text);
 }
 template <typename Archive>
 void members(Archive& archive, FacetBehind& facet) {

@@ -31,17 +31,14 @@ std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<R
   return result;
 }
 
-/// The doubles of a program at their exact values, with all adjustments.
-RationalProgram exactNumbers(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
+/// The doubles of a program at their exact values.
+RationalProgram exactNumbers(const ParametricProgram& program) {
   RationalProgram numbers;
   numbers.H = hessian(program, {}, 0.0);
   numbers.F = exactly(program.F);
   numbers.f = exactly(program.f);
   numbers.A = exactly(program.A);
   numbers.b = exactly(program.b);
-  for (const int row : adjustment.relaxed)
-    numbers.b[static_cast<std::size_t>(row)] +=
-        Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
   numbers.S = exactly(program.S);
   numbers.A_theta = exactly(program.A_theta);
   numbers.b_theta = exactly(program.b_theta);
@@ -69,7 +66,7 @@ std::vector<Rational> hessian(const ParametricProgram& program, const std::vecto
 }
 
 ExactProgram::ExactProgram(const ParametricProgram& program, const ProgramPerturbation& adjustment)
-    : ExactProgram(program, exactNumbers(program, adjustment), adjustment) {}
+    : ExactProgram(program, exactNumbers(program), adjustment) {}
 
 ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgram& numbers,
                            const ProgramPerturbation& adjustment)

@@ -19,8 +19,6 @@ struct ProgramPerturbation {
   double penalty = 0.0;
   /// Rows that others imply up to rounding, ascending.
   std::vector<int> dropped;
-  /// Inequalities whose bounds count as b + 2^-kRelaxedBits |row|.
-  std::vector<int> relaxed;
   /// H is zero: of several optima that of the least sum of 2^weights[j] z_j^2 counts. Empty: they are all the same.
   std::vector<int> weights;
   /// Independent rows taken as equalities. All other equalities follow from them.
@@ -74,9 +72,9 @@ struct ExactProgram : ExactRanges {
 /// 2^-kDroppedBits.
 constexpr int kDroppedBits = 30;
 
-/// By how much a relaxed row's bound is greater, a forgiven slack may be negative, or a dropped equality may
-/// fail, relative to the row's greatest entry: 2^-kRelaxedBits.
-constexpr int kRelaxedBits = 40;
+/// By how much a forgiven slack may be negative, or a dropped equality may fail, relative to the row's greatest
+/// entry: 2^-kForgivenBits.
+constexpr int kForgivenBits = 40;
 
 /// H, symmetric, by rows. `penalty` times A_e'A_e over the rows of `basis` is added.
 std::vector<Rational> hessian(const ParametricProgram& program, const std::vector<int>& basis,

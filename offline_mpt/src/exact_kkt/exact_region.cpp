@@ -50,8 +50,8 @@ bool addSlacks(const ExactProgram& program, const ExactSolution& solution, const
       std::vector<Integer> excess;
       for (const Integer& value : slack) excess.push_back(-value);
       const Integer& determinant = solution.denominator();
-      slack = relax(program, std::move(slack), determinant, i, kRelaxedBits);
-      excess = relax(program, std::move(excess), determinant, i, kRelaxedBits);
+      slack = relax(program, std::move(slack), determinant, i, kForgivenBits);
+      excess = relax(program, std::move(excess), determinant, i, kForgivenBits);
       region.dropped.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
       region.dropped.push_back(makeRow({ExactOrigin::Kind::kExcess, i}, std::move(excess)));
     } else if (program.is_equality[i]) {
@@ -62,7 +62,7 @@ bool addSlacks(const ExactProgram& program, const ExactSolution& solution, const
     } else {
       if (program.forgiving)
         region.forgiven.push_back(makeRow({ExactOrigin::Kind::kSlack, i},
-                                          relax(program, slack, solution.denominator(), i, kRelaxedBits)));
+                                          relax(program, slack, solution.denominator(), i, kForgivenBits)));
       region.rows.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
     }
   }
