@@ -40,7 +40,7 @@ linkRosTools() {
 }
 
 # What `./run demo` solves, flies and validates with: targets of the plain build, and of the workspace.
-demo_tools="offline_mpt_tool flight_pages multirotor_plant"
+demo_tools="offline_mpt_tool multirotor_plant"
 demo_nodes="online_controller_ros polyfly_test_ros validate_bag validate_filter"
 
 # buildBoth STEP "TARGET..." [CATKIN TARGET...]: the plain build and the workspace, of which all without targets.

@@ -58,6 +58,15 @@ validateFlight() {
     --report "$folder/report" "$@"
 }
 
+# exploreFlight FOLDER MAPS: a page for each map with the samples of the flight, beside the report.
+exploreFlight() {
+  local axis
+  for axis in $map_axes; do
+    build/bin/offline_mpt explore "$2/multirotor_$axis.map" --samples "$1/report/samples_$axis.csv" \
+      -o "$1/report/explore_$axis.html" || return
+  done
+}
+
 # sayResult FOLDER: the numbers that matter and where to look.
 sayResult() {
   python3 - "$1" <<'PY'
@@ -73,5 +82,6 @@ for name, value, unit in summary.get("headline", []):
     print(f"  {name:40} {value:.6g} {unit}".rstrip())
 PY
   say "  report: $1/report/index.html"
+  say "  maps: $1/report/explore_lateral.html and the other axes"
   say "  numbers: $1/summary.json"
 }

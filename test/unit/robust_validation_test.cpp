@@ -1,15 +1,13 @@
-// Replay and validation of a flight by robust maps, compared with the linear program at each decision.
+// Replay and validation of a flight by robust maps.
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "project_root.hpp"
 #include "recorded_flight.hpp"
-#include "robust_mpc/online_law.hpp"
 #include "validation/report.hpp"
 #include "validation/validation.hpp"
 
@@ -34,48 +32,29 @@ polyfly::FlightLog logOf(const std::vector<AslquadSample>& flight) {
   return log;
 }
 
-polyfly::OnlineOracle oracleOf(const polyfly::RegionMap& map) {
-  return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path());
-}
-
 class RobustValidation : public testing::Test {
  protected:
   RobustValidation()
       : options_(flights().options(AslquadLaw::kRobust, 0.81)),
         log_(logOf(flights().fly(AslquadFigure::kHit, AslquadLaw::kRobust, 1))) {}
 
-  polyfly::ValidationReport validate(const polyfly::OracleMaker& maker) const {
+  polyfly::ValidationReport validate() const {
     return polyfly::validate(log_, polyfly::replay(log_, flights().maps(), options_), flights().maps(),
-                             options_, maker);
+                             options_);
   }
 
   polyfly::MultirotorOptions options_;
   polyfly::FlightLog log_;
 };
 
-TEST_F(RobustValidation, TheFlightIsReplayedAndItsMapsAnswerAsTheLinearProgram) {
+TEST_F(RobustValidation, TheFlightIsReplayedAndItsMapsAreNotSolvedAgain) {
   // This option has no effect: robust maps answer for the whole disturbance.
   options_.offset_free = true;
-  const polyfly::ValidationReport report = validate(oracleOf);
+  const polyfly::ValidationReport report = validate();
   ASSERT_EQ(report.samples, log_.odometry.size());
-  for (const auto& axis : report.axes) {
-    EXPECT_EQ(axis.qp_compared, report.samples) << axis.axis;
-    EXPECT_EQ(axis.qp_failures, 0u) << axis.axis;
-    EXPECT_LT(axis.qp.max, 1e-6) << axis.axis;
-  }
-  EXPECT_GT(report.axes[1].qp.max, 0.0);  // two computations
+  for (const auto& axis : report.axes) EXPECT_EQ(axis.qp_compared + axis.qp_failures, 0u) << axis.axis;
   for (const auto& difference : report.commands.difference) EXPECT_EQ(difference.max, 0.0);
   EXPECT_EQ(report.commands.compared, report.samples);
-}
-
-TEST_F(RobustValidation, WithoutAnOracleItSaysThatNothingCouldBeCompared) {
-  try {
-    validate({});
-    FAIL() << "validated without an online solution";
-  } catch (const polyfly::Error& error) {
-    EXPECT_NE(std::string(error.what()).find("online solution is not at hand"), std::string::npos)
-        << error.what();
-  }
 }
 
 /// A flight of 4 s that begins faster than any plan within the bounds may, with odometry at 100 Hz.
@@ -98,7 +77,7 @@ TEST(RobustValidationOfALeastViolation, IsReplayedAndTold) {
   const polyfly::FlightLog log = fastFlight(options);
   const polyfly::AxisMaps maps = flights().maps();
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps, options);
-  const polyfly::ValidationReport report = polyfly::validate(log, samples, maps, options, oracleOf);
+  const polyfly::ValidationReport report = polyfly::validate(log, samples, maps, options);
   EXPECT_EQ(report.commands.max_difference, 0.0);
   EXPECT_EQ(report.statuses.differing, 0u);
   EXPECT_EQ(report.statuses.recorded, report.statuses.replayed);
@@ -112,10 +91,6 @@ TEST(RobustValidationOfALeastViolation, IsReplayedAndTold) {
   const polyfly::Excursion& excursion = report.axes[1].excursions[0];
   EXPECT_EQ(excursion.cause, polyfly::LookupStatus::kOutsidePartition);
   EXPECT_EQ(excursion.statuses[static_cast<std::size_t>(polyfly::ControlStatus::kLeastViolation)], count);
-  for (const auto& axis : report.axes) {
-    EXPECT_EQ(axis.qp_failures, 0u) << axis.axis;
-    EXPECT_LT(axis.qp.max, 1e-6) << axis.axis;
-  }
   const std::string told = "least_violation " + std::to_string(count),
                     folder = testing::TempDir() + "least_violation";
   const std::string text = polyfly::toText(polyfly::reportOn(report));
@@ -126,11 +101,6 @@ TEST(RobustValidationOfALeastViolation, IsReplayedAndTold) {
   EXPECT_NE(page.find("Answers of the replay: optimal " + std::to_string(report.samples - count) + ", " +
                       told + "."),
             std::string::npos);
-}
-
-TEST(OnlineRobustLaw, IsForRobustProblemsOnly) {
-  const polyfly::MpcProblem tracking = polyfly::loadProblem(polyfly::problemFile("multirotor_vertical.yaml"));
-  EXPECT_FALSE(polyfly::onlineRobustLaw(tracking.text, tracking.source));
 }
 
 }  // namespace

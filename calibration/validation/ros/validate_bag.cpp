@@ -16,9 +16,7 @@
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "region_maps/region_map.hpp"
-#include "robust_mpc/online_law.hpp"
 #include "validation/controller_options.hpp"
-#include "validation/flight_pages.hpp"
 #include "validation/map_comparison.hpp"
 #include "validation/map_proposal.hpp"
 #include "validation/report.hpp"
@@ -43,7 +41,6 @@ struct Arguments {
   polyfly::Thresholds thresholds;
   std::string json;
   std::string report;
-  std::string explore;
   std::string propose;
   std::string topics_bag;
   bool quiet = false;
@@ -97,11 +94,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       "else the controller's defaults).");
   polyfly::addOption(app, "--json", arguments.json, "FILE", "Write the results to this file as JSON.");
   polyfly::addOption(app, "--report", arguments.report, "DIR",
-                     "Write index.html and summary.json into this folder.");
-  polyfly::addOption(
-      app, "--explore", arguments.explore, "DIR",
-      "Write a page for each axis into this folder: its map and the flight's samples, to be explored in a "
-      "browser. The report links to the pages.");
+                     "Write index.html, summary.json and the samples of each axis into this folder.");
   polyfly::addOption(
       app, "--propose", arguments.propose, "DIR",
       "If the flights left a map, write problem files that would have covered them into this folder.");
@@ -113,6 +106,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   declareThresholds(app, arguments.thresholds);
   polyfly::addRemoved(app, {"--propose-limit"},
                       "was removed; 'offline_mpt solve' counts the regions of a proposed problem");
+  polyfly::addRemoved(
+      app, {"--explore"},
+      "was removed; 'offline_mpt explore MAP --samples samples_AXIS.csv -o PAGE' takes what --report writes");
   app.footer(
       "Exit codes: 0 all thresholds hold; 1 one is broken, or there is a warning with --strict; 2 an input "
       "or option is invalid.");
@@ -143,16 +139,11 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
       const std::string folder = flightFolder(arguments, arguments.report, number);
       addPage(folder);
       outputs.push_back({folder + kParametersFile, Output::Kind::kText, Output::Folder::kIsMade});
+      for (std::size_t axis = 0; axis < maps.flown.size(); ++axis)
+        outputs.push_back(
+            {folder + "/" + polyfly::samplesFile(axis), Output::Kind::kText, Output::Folder::kIsMade});
     }
     if (arguments.flights.size() > 1) addPage(arguments.report);
-  }
-  if (!arguments.explore.empty()) {
-    for (std::size_t number = 1; number <= arguments.flights.size(); ++number) {
-      for (const std::string& name : polyfly::flightPageNames()) {
-        outputs.push_back({flightFolder(arguments, arguments.explore, number) + "/" + name,
-                           Output::Kind::kText, Output::Folder::kIsMade});
-      }
-    }
   }
   if (!arguments.propose.empty()) {
     for (const polyfly::RegionMap* map : maps.flown) {
@@ -175,11 +166,6 @@ void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly
     polyfly::makeFolder(arguments.propose);
     polyfly::writeFileAtomically(proposalFile(arguments.propose, *maps.flown[axis]), proposal->problem);
   }
-}
-
-// What the map of a minimum-peak robust MPC must equal.
-polyfly::OnlineOracle robustOracle(const polyfly::RegionMap& map) {
-  return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path() + ": problem");
 }
 
 // The options that the bag tells, else the defaults.
@@ -222,10 +208,10 @@ Flight readFlight(const std::vector<std::string>& bag, const polyfly::MapChoice&
 // Of one flight, or of several together.
 polyfly::ValidationReport judge(const std::vector<polyfly::ReplayedFlight>& flights,
                                 const polyfly::MapChoice& maps, const Arguments& arguments) {
-  polyfly::ValidationReport report = polyfly::validate(flights, maps.flown, robustOracle);
+  polyfly::ValidationReport report = polyfly::validate(flights, maps.flown);
   for (const polyfly::OtherMap& other : maps.others) {
     report.comparisons.push_back(
-        polyfly::compareMaps(flights, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
+        polyfly::compareMaps(flights, *maps.flown[other.axis], *other.map, other.axis));
   }
   if (flights.size() == arguments.flights.size()) propose(maps, arguments, &report);
   return report;
@@ -239,18 +225,10 @@ void print(const polyfly::ValidationReport& report, const Arguments& arguments) 
 // Writes what belongs to this flight alone.
 void writeResults(const Flight& flight, const polyfly::ValidationReport& report, std::size_t number,
                   const polyfly::MapChoice& maps, const Arguments& arguments) {
-  const std::string report_folder = flightFolder(arguments, arguments.report, number);
-  std::vector<polyfly::ReportLink> pages;
-  if (!arguments.explore.empty()) {
-    const std::string folder = flightFolder(arguments, arguments.explore, number);
-    polyfly::writeFlightPages(flight.samples, maps.flown, flight.log.source, folder);
-    pages = polyfly::flightPageLinks(maps.flown, folder, report_folder);
-  }
   if (arguments.report.empty()) return;
-  polyfly::writeReport({flight.log, flight.samples, maps.flown, flight.options, report, pages},
-                       report_folder);
-  if (report.parameters)
-    polyfly::writeFileAtomically(report_folder + kParametersFile, report.parameters->text);
+  const std::string folder = flightFolder(arguments, arguments.report, number);
+  polyfly::writeReport({flight.log, flight.samples, maps.flown, flight.options, report}, folder);
+  if (report.parameters) polyfly::writeFileAtomically(folder + kParametersFile, report.parameters->text);
 }
 
 // All flights as one, with what is said of each.

@@ -79,12 +79,12 @@ class ExcursionCollector {
 }  // namespace
 
 AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const RegionMap& map,
-                            std::size_t index, const OracleMaker& maker) {
+                            std::size_t index) {
   AxisValidation axis;
   axis.axis = kAxisNames[index].axis;
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
-  OnlineAxis online(map, maker);
+  OnlineAxis online(map);
   MapUseCounter counter(map);
   std::vector<double> thetas;
   std::vector<double> input(map.inputs().size());
@@ -105,6 +105,7 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
       if (use.lookup.status != LookupStatus::kInside) continue;
       axis.edge_series.push_back({stamp, use.face, use.edge});
       thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
+      if (!online.solves()) continue;
       map.evaluate(report.theta.data(), input.data());
       const std::optional<double> solved = online.input(report.theta.data());
       if (solved) {

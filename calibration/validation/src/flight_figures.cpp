@@ -283,11 +283,10 @@ std::vector<ReportSection> flightFigures(const ReportContent& content) {
   if (!content.log.commands.empty()) figures.push_back(commandFigure(content));
   if (content.validation.tracked_samples == 0) return figures;
   for (ReportSection& figure : mapFigures(content)) figures.push_back(std::move(figure));
-  if (any(&AxisValidation::inside)) figures.push_back(distanceFigure(content));
-  if (any(&AxisValidation::qp_compared)) {
-    figures.push_back(agreementFigure(content));
-    figures.push_back(latencyFigure(content));
-  }
+  const bool any_inside = any(&AxisValidation::inside);
+  if (any_inside) figures.push_back(distanceFigure(content));
+  if (any(&AxisValidation::qp_compared)) figures.push_back(agreementFigure(content));
+  if (any_inside) figures.push_back(latencyFigure(content));
   figures.push_back(disturbanceFigure(content));
   return figures;
 }

@@ -29,13 +29,13 @@ std::vector<std::size_t> placesByName(const RegionMap& flown, const RegionMap& o
 }  // namespace
 
 MapComparison compareMaps(const std::vector<ReplayedFlight>& flights, const RegionMap& flown,
-                          const RegionMap& other, std::size_t axis, const OracleMaker& maker) {
+                          const RegionMap& other, std::size_t axis) {
   const std::vector<std::size_t> places = placesByName(flown, other);
   MapComparison result;
   result.axis = kAxisNames.at(axis).axis;
   result.path = other.path();
   result.input_unit = other.inputs().front().unit;
-  OnlineAxis online(other, maker);
+  OnlineAxis online(other);
   MapUseCounter counter(other);
   DifferenceCollector difference;
   DifferenceCollector qp;
@@ -57,10 +57,11 @@ MapComparison compareMaps(const std::vector<ReplayedFlight>& flights, const Regi
       if (!holds) continue;
       other.evaluate(theta.data(), other_input.data());
       thetas.insert(thetas.end(), theta.begin(), theta.end());
+      if (held) difference.add(flown_input.front() - other_input.front(), sample.state.stamp);
+      if (!online.solves()) continue;
       const std::optional<double> solved = online.input(theta.data());
       if (solved) qp.add(other_input.front() - *solved, sample.state.stamp);
       result.qp_failures += solved ? 0 : 1;
-      if (held) difference.add(flown_input.front() - other_input.front(), sample.state.stamp);
     }
   }
   result.use = counter.use();

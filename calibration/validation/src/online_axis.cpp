@@ -25,10 +25,16 @@ ParametricProgram programOf(const RegionMap& map) {
   return program;
 }
 
-/// The quadratic program of a tracking problem.
-class QpOracle {
+bool isMinimumPeak(const RegionMap& map) {
+  return map.problemKind() == "yaml" &&
+         parseFlightModel(std::string(map.problemText()), problemPlace(map)).minimum_peak;
+}
+
+}  // namespace
+
+class OnlineAxis::Program {
  public:
-  explicit QpOracle(const RegionMap& map)
+  explicit Program(const RegionMap& map)
       : program_(programOf(map)), solver_(program_.H, program_.A, program_.equalities) {}
 
   std::optional<double> input(const double* theta) {
@@ -46,28 +52,15 @@ class QpOracle {
   Eigen::VectorXd bounds_;
 };
 
-bool isMinimumPeak(const RegionMap& map) {
-  return map.problemKind() == "yaml" &&
-         parseFlightModel(std::string(map.problemText()), problemPlace(map)).minimum_peak;
+OnlineAxis::OnlineAxis(const RegionMap& map) : size_(map.parameters().size()) {
+  if (!isMinimumPeak(map)) program_ = std::make_unique<Program>(map);
 }
 
-OnlineOracle oracleOf(const RegionMap& map, const OracleMaker& maker) {
-  if (isMinimumPeak(map)) {
-    if (!maker)
-      throw Error(map.path() + ": is of a minimum-peak robust MPC, whose online solution is not at hand");
-    return maker(map);
-  }
-  return [oracle = std::make_shared<QpOracle>(map)](const double* theta) { return oracle->input(theta); };
-}
-
-}  // namespace
-
-OnlineAxis::OnlineAxis(const RegionMap& map, const OracleMaker& maker)
-    : size_(map.parameters().size()), oracle_(oracleOf(map, maker)) {}
+OnlineAxis::~OnlineAxis() = default;
 
 std::optional<double> OnlineAxis::input(const double* theta) {
   if (last_theta_.empty() || !std::equal(theta, theta + size_, last_theta_.begin())) {
-    last_ = oracle_(theta);
+    last_ = program_->input(theta);
     last_theta_.assign(theta, theta + size_);
   }
   return last_;

@@ -6,6 +6,10 @@
 #include <sstream>
 
 #include "flight_figures.hpp"
+#include "online_controller/laws/axis.hpp"
+#include "polyfly_base/options_text.hpp"
+#include "polyfly_base/write_file.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -170,7 +174,9 @@ void addComparisons(const Json& comparisons, std::vector<ReportSection>* section
 
 ReportSection axesSection(const Json& axes) {
   return {"The three axes in numbers",
-          {"Each axis has its own region map. Distances are in ranges scaled to -1 .. 1."},
+          {"Each axis has its own region map. Distances are in ranges scaled to -1 .. 1. A map of a robust "
+           "law is not solved again "
+           "online: offline_mpt verify --exact proves it."},
           {},
           tableAcross(axes, "/axis",
                       {{"regions in the map", "/regions"},
@@ -323,20 +329,47 @@ Report reportOn(const ValidationReport& report) {
 Report reportOn(const ReportContent& content) {
   Report page = reportOn(content.validation);
   std::vector<ReportSection> sections;
-  if (!content.map_pages.empty())
-    sections.push_back({"Explore the maps",
-                        {"A page for each map, with slices, this flight's samples and simulated flights:"},
-                        content.map_pages,
-                        {},
-                        {}});
+  sections.push_back({"Explore the maps",
+                      {"A page for each map, with slices, this flight's samples and simulated flights, is "
+                       "written by: offline_mpt explore "
+                       "MAP --samples samples_AXIS.csv -o PAGE.html"},
+                      {},
+                      {},
+                      {}});
   for (ReportSection& figure : flightFigures(content)) sections.push_back(std::move(figure));
   page.sections.insert(page.sections.begin(), std::make_move_iterator(sections.begin()),
                        std::make_move_iterator(sections.end()));
   return page;
 }
 
+std::string samplesFile(std::size_t axis) {
+  return std::string("samples_") + kAxisNames.at(axis).axis + ".csv";
+}
+
+namespace {
+
+// The parameters of an axis at each sample that has them; times count from the first sample.
+std::string samplesText(const ReportContent& content, std::size_t axis) {
+  std::string text = "t";
+  for (const Signal& parameter : content.maps[axis]->parameters()) text += "," + parameter.name;
+  text += "\n";
+  for (const ReplaySample& sample : content.samples) {
+    const AxisReport& report = sample.report.axis[axis];
+    if (report.size == 0) continue;
+    text += exactNumber(sample.report.stamp - content.samples.front().report.stamp);
+    for (int i = 0; i < report.size; ++i)
+      text += "," + exactNumber(report.theta[static_cast<std::size_t>(i)]);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
 void writeReport(const ReportContent& content, const std::string& folder) {
   writePage(folder, reportOn(content), "summary.json", dumped(jsonOf(content.validation)));
+  for (std::size_t axis = 0; axis < content.maps.size(); ++axis)
+    writeFileAtomically(folder + "/" + samplesFile(axis), samplesText(content, axis));
 }
 
 void writeOverview(const std::vector<ValidationReport>& flights, const ValidationReport& all,

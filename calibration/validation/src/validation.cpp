@@ -135,8 +135,7 @@ std::size_t ValidationReport::violationCount() const {
 
 bool ValidationReport::isWhole() const { return (!share || share->isWhole()) && incomparable.empty(); }
 
-ValidationReport validate(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps,
-                          const OracleMaker& maker) {
+ValidationReport validate(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps) {
   ValidationReport report;
   const ReplayedFlight& first = flights.front();
   report.source = flights.size() == 1 ? first.log.source : std::to_string(flights.size()) + " flights";
@@ -159,7 +158,7 @@ ValidationReport validate(const std::vector<ReplayedFlight>& flights, const Axis
   }
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
-    report.axes[axis] = validateAxis(flights, *maps[axis], axis, maker);
+    report.axes[axis] = validateAxis(flights, *maps[axis], axis);
     const std::vector<double>& times = report.axes[axis].lookups.in_order;
     lookups.insert(lookups.end(), times.begin(), times.end());
   }

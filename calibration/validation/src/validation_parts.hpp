@@ -11,7 +11,7 @@ namespace polyfly {
 
 /// One axis' map against the samples: its use, excursions, agreement with the online solver, look-up times.
 AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const RegionMap& map,
-                            std::size_t index, const OracleMaker& maker);
+                            std::size_t index);
 
 /// Recorded commands against the replay's and against the bounds of the options.
 CommandValidation validateCommands(const std::vector<ReplayedFlight>& flights);

@@ -19,11 +19,4 @@ std::optional<double> OnlineRobustLaw::input(const double* theta) {
   return answer.input + shift_.dot(theta_);
 }
 
-std::function<std::optional<double>(const double*)> onlineRobustLaw(const std::string& text,
-                                                                    const std::string& source) {
-  if (!isRobustProblem(text, source)) return {};
-  const auto law = std::make_shared<OnlineRobustLaw>(parseRobustProblem(text, source));
-  return [law](const double* theta) { return law->input(theta); };
-}
-
 }  // namespace polyfly

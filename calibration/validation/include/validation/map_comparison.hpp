@@ -7,7 +7,6 @@
 #include "validation/difference.hpp"
 #include "validation/lookup_times.hpp"
 #include "validation/map_use.hpp"
-#include "validation/online_oracle.hpp"
 #include "validation/replay.hpp"
 
 namespace polyfly {
@@ -39,7 +38,7 @@ struct MapComparison {
 /// Compares on the samples with a reference. `axis` is the axis of both, `maker` as for validate. Throws
 /// Error naming map and parameter when the other map has a parameter that the flown one does not have.
 MapComparison compareMaps(const std::vector<ReplayedFlight>& flights, const RegionMap& flown,
-                          const RegionMap& other, std::size_t axis, const OracleMaker& maker = {});
+                          const RegionMap& other, std::size_t axis);
 
 /// Another map of an axis.
 struct OtherMap {

@@ -16,15 +16,16 @@ struct ReportContent {
   const AxisMaps& maps;
   const MultirotorOptions& options;
   const ValidationReport& validation;
-  /// Pages that show the maps with this flight.
-  std::vector<ReportLink> map_pages = {};
 };
 
 /// The whole page.
 Report reportOn(const ReportContent& content);
 
-/// Writes `index.html` and `summary.json` into the folder, which is made where it is missing. Throws Error
-/// naming the file.
+/// Name of the file that writeReport writes for an axis: time and parameters of each sample, as `offline_mpt explore` reads them.
+std::string samplesFile(std::size_t axis);
+
+/// Writes `index.html`, `summary.json` and the samples of each axis into the folder, which is made where it is missing.
+/// Throws Error naming the file.
 void writeReport(const ReportContent& content, const std::string& folder);
 
 /// The page of several flights, with `summary.json` of all together. Their own pages are expected in

@@ -13,7 +13,6 @@
 #include "validation/map_comparison.hpp"
 #include "validation/map_proposal.hpp"
 #include "validation/map_use.hpp"
-#include "validation/online_oracle.hpp"
 #include "validation/parameters_told.hpp"
 #include "validation/replay.hpp"
 
@@ -47,6 +46,7 @@ struct AxisValidation : MapUse {
   std::string input_unit;
   std::vector<Excursion> excursions;
 
+  /// 0 for a map of a minimum-peak robust MPC.
   std::size_t qp_compared = 0;
   /// Samples inside the map where the online solver found no solution.
   std::size_t qp_failures = 0;
@@ -176,17 +176,14 @@ struct ValidationReport {
   std::size_t violationCount() const;
 };
 
-/// Judges replayed flights with the same maps, at least one; `maker` where maps are of a minimum-peak robust MPC. Of
-/// several: counts together, greatest differences, root mean squares over all samples; no offset at rest, and neither
-/// warnings nor parameters. Throws Error naming the map when its problem cannot be read, or when it needs a maker and
-/// there is none.
-ValidationReport validate(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps,
-                          const OracleMaker& maker = {});
+/// Judges replayed flights with the same maps, at least one. Of several: counts together, greatest differences, root mean
+/// squares over all samples; no offset at rest, and neither warnings nor parameters. Throws Error naming the map when its
+/// problem cannot be read.
+ValidationReport validate(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps);
 
 inline ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                                 const AxisMaps& maps, const MultirotorOptions& options,
-                                 const OracleMaker& maker = {}) {
-  return validate({{log, samples, options}}, maps, maker);
+                                 const AxisMaps& maps, const MultirotorOptions& options) {
+  return validate({{log, samples, options}}, maps);
 }
 
 /// Limits on a report; what is broken comes back as sentences, nothing when all is well.

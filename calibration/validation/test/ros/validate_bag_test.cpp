@@ -108,15 +108,13 @@ TEST_F(ValidateBag, writesWhatItIsAskedFor) {
   EXPECT_NE(contents(folder_ / "report/index.html").find("Flight report"), std::string::npos);
 }
 
-TEST_F(ValidateBag, writesPagesOfTheMapsAndLinksToThem) {
-  EXPECT_EQ(runWith({"--quiet", "--explore", folder_ / "report", "--report", folder_ / "report"}), kPassed)
-      << errors_;
-  for (const char* name : {"explore_longitudinal.html", "explore_lateral.html", "explore_vertical.html"}) {
-    EXPECT_NE(contents(folder_ / ("report/" + std::string(name))).find("\"source\":\"flight.bag\""),
-              std::string::npos);
-    EXPECT_NE(contents(folder_ / "report/index.html").find("<a href='" + std::string(name) + "'>"),
-              std::string::npos);
-  }
+TEST_F(ValidateBag, writesTheSamplesOfEachAxis) {
+  EXPECT_EQ(runWith({"--quiet", "--report", folder_ / "report"}), kPassed) << errors_;
+  const std::string lateral = contents(folder_ / "report/samples_lateral.csv");
+  EXPECT_EQ(lateral.find("t,e_p_y,"), 0u) << lateral.substr(0, 80);
+  EXPECT_GT(std::count(lateral.begin(), lateral.end(), '\n'), 100);
+  EXPECT_EQ(runWith({"--explore", folder_ / "report"}), kBadInput);
+  EXPECT_NE(errors_.find("offline_mpt explore MAP --samples"), std::string::npos) << errors_;
 }
 
 TEST_F(ValidateBag, failsWhenAThresholdIsBroken) {
@@ -307,7 +305,7 @@ TEST_F(ValidateBag, takesSeveralFlightsAndMaps) {
   content.laws.back() += 1e-3;
   polyfly::writeMap(content, folder_ / "other.map");
   EXPECT_EQ(runWith({"--bag", folder_ / "again.bag", "--map", folder_ / "other.map", "--json",
-                     folder_ / "all.json", "--report", folder_ / "all", "--explore", folder_ / "pages"}),
+                     folder_ / "all.json", "--report", folder_ / "all"}),
             kPassed)
       << errors_;
   const auto json = nlohmann::json::parse(contents(folder_ / "all.json"));
@@ -316,8 +314,7 @@ TEST_F(ValidateBag, takesSeveralFlightsAndMaps) {
   ASSERT_EQ(json["comparisons"].size(), 1u);
   EXPECT_NEAR(json["comparisons"][0]["difference"]["max"].get<double>(), 1e-3, 1e-9);
   EXPECT_NE(contents(folder_ / "all/index.html").find("flight_2/index.html"), std::string::npos);
-  EXPECT_NE(contents(folder_ / "all/flight_2/index.html").find("../../pages/flight_2/explore_lateral.html"),
-            std::string::npos);
+  EXPECT_NE(contents(folder_ / "all/flight_2/samples_lateral.csv").find("t,"), std::string::npos);
 }
 
 TEST_F(ValidateBag, proposesTheProblemThatWouldHaveCoveredTheFlight) {

@@ -1,17 +1,13 @@
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <optional>
-#include <string>
 
 #include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_problem.hpp"
 
 namespace polyfly {
 
-/// The first input u_0 of a robust problem, solved at each theta by OnlineLp in floating point. A validation compares
-/// a map of that problem with it.
+/// The first input u_0 of a robust problem, solved at each theta by OnlineLp in floating point.
 class OnlineRobustLaw {
  public:
   explicit OnlineRobustLaw(const RobustProblem& problem);
@@ -25,10 +21,5 @@ class OnlineRobustLaw {
   // Shift of the input by each parameter. Only references shift it.
   Eigen::VectorXd shift_;
 };
-
-/// The same behind a function, from the text that a map carries; empty when that is no robust problem. Throws
-/// Error.
-std::function<std::optional<double>(const double*)> onlineRobustLaw(const std::string& text,
-                                                                    const std::string& source);
 
 }  // namespace polyfly
