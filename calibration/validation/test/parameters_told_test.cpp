@@ -151,7 +151,7 @@ TEST_F(ParametersToldTest, ThePageShowsThem) {
   const FlightLog log = flight({{-1.0, text(flown_, "start")}});
   const auto samples = replay(log, maps_.axes(), flown_);
   const ValidationReport report = validate(log, samples, maps_.axes(), flown_);
-  const std::string page = toHtml(reportOn({log, samples, maps_.axes(), flown_, report, {}}));
+  const std::string page = toHtml(reportOn({log, samples, maps_.axes(), flown_, report}));
   for (const char* words : {"Parameters in force", "mass.yaml (xxh64:1) of hover.bag", "0123456789abcdef",
                             "attitude from roll.yaml (xxh64:7) of may.bag (2026-05-01)", "Nothing changed"})
     EXPECT_NE(page.find(words), std::string::npos) << words;

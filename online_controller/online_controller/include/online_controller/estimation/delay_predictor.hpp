@@ -4,6 +4,7 @@
 
 #include "online_controller/estimation/attitude_trim.hpp"
 #include "online_controller/estimation/force_observer.hpp"
+#include "online_controller/estimation/sample_line.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
 #include "online_controller/types/vehicle_model.hpp"
@@ -42,7 +43,7 @@ class DelayPredictor {
   void sent(double stamp, const AttitudeCommand& command) noexcept;
 
   /// The observer goes on from the next sample and keeps what it knows of the disturbance.
-  void restart() noexcept { observing_ = false; }
+  void restart() noexcept { line_.restart(); }
   /// As after construction: the vehicle hovers.
   void reset() noexcept;
   /// Sets the estimate of the disturbance [m/s^2].
@@ -92,10 +93,8 @@ class DelayPredictor {
   int first_ = 0;
   int count_ = 0;
 
-  // Whole periods are counted on a time line of their own, so that jitter of the stamps does not add up [s].
-  double observed_until_ = 0.0;
+  SampleLine line_;
   double last_stamp_ = 0.0;  // [s]
-  bool observing_ = false;
 };
 
 }  // namespace polyfly

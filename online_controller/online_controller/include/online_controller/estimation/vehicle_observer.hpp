@@ -4,6 +4,7 @@
 #include <array>
 
 #include "online_controller/estimation/force_observer.hpp"
+#include "online_controller/estimation/sample_line.hpp"
 #include "online_controller/types/moment_model.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
@@ -61,17 +62,16 @@ class VehicleObserver {
   const VehicleEstimate& estimate() const noexcept { return estimate_; }
 
  private:
+  void forget() noexcept;
   void updateMoments(const VehicleState& state, const AttitudeCommand& held, int periods) noexcept;
   void advanceCalibration(double stamp, const Eigen::Vector3d& force, const Eigen::Vector3d& moment) noexcept;
 
   double mass_;
-  double period_;
   double duration_;
   ForceObserver force_;
   std::array<DisturbanceObserver, 3> angles_;
   VehicleEstimate estimate_;
-  double observed_until_ = 0.0;  // [s]
-  bool observing_ = false;
+  SampleLine line_;
 
   bool calibrating_ = false;
   unsigned calibrations_ = 0;

@@ -2,10 +2,8 @@
 
 #include <array>
 
-#include "online_controller/estimation/attitude_trim.hpp"
-#include "online_controller/estimation/position_integrator.hpp"
 #include "online_controller/laws/axis.hpp"
-#include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/estimating_law.hpp"
 #include "online_controller/realtime/sampling_clock.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/options.hpp"
@@ -28,7 +26,7 @@ class RegionMap;
 /// each sample. The report then holds the last evaluation.
 ///
 /// The same calls after construction or reset give the same bits.
-class MultirotorController : public ControlLaw {
+class MultirotorController : public EstimatingLaw {
  public:
   /// Maps in the order longitudinal, lateral, vertical; kept by reference. The model comes from the problem text in
   /// each map. Throws Error naming map, signal and rule when a map's signals are not those of its axis. Also when the
@@ -79,10 +77,9 @@ class MultirotorController : public ControlLaw {
   TiltAngles added(const TiltAngles& tilt, double yaw_rate) const noexcept;
   TiltAngles forceAngles(const AttitudeCommand& command, const TiltAngles& measured_tilt) const noexcept;
   const ControlReport& cannotAnswer(ControlReason reason) noexcept;
-  void forgetPlan() noexcept;
-  void forgetAll() noexcept;
+  void resetObservers() noexcept override;
+  void forgetPlan() noexcept override;
 
-  MultirotorOptions options_;
   std::array<Axis, 3> axes_;
   // References of the stages in this step; nullptr: one for all. Not owned.
   const Reference* preview_ = nullptr;
@@ -93,15 +90,8 @@ class MultirotorController : public ControlLaw {
   std::array<double, 3> inputs_{};
   // Input u of each axis after the limits on what is sent, for the observer.
   std::array<double, 3> applied_{};
-  // Time up to which the observer has advanced [s].
-  double observed_until_ = 0.0;
-  bool observing_ = false;
-  AttitudeTrim trim_;
-  // By the last command; nothing where another law sent it.
-  FollowedReference followed_;
   // What gain and lag that were found added to the last command [rad].
   TiltAngles feed_forward_;
-  PositionIntegrator integrator_;
 };
 
 }  // namespace polyfly

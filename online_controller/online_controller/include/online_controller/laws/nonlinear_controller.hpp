@@ -3,10 +3,8 @@
 #include <vector>
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
-#include "online_controller/estimation/attitude_trim.hpp"
 #include "online_controller/estimation/force_observer.hpp"
-#include "online_controller/estimation/position_integrator.hpp"
-#include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/estimating_law.hpp"
 #include "online_controller/types/options.hpp"
 
 namespace polyfly {
@@ -20,7 +18,7 @@ namespace polyfly {
 /// weighted contradicts the path, and no offset is left.
 ///
 /// Each answer is a finite command within the limits. A state far from the predicted one starts the iteration anew.
-class NonlinearController : public ControlLaw {
+class NonlinearController : public EstimatingLaw {
  public:
   /// `mpc` without gravity and limits, which come from `options`. Throws Error naming an option.
   NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc);
@@ -28,7 +26,6 @@ class NonlinearController : public ControlLaw {
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void prepare() noexcept override;
   void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
-  void forget(LawMemory what) noexcept override;
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void transferState(const ControlLaw& from) noexcept override;
   void inspect(const Reference* preview, LawInsight& insight) const noexcept override;
@@ -51,13 +48,11 @@ class NonlinearController : public ControlLaw {
   bool isFar(const MultirotorState& x) const noexcept;
   void startIteration(const MultirotorState& x) noexcept;
   void send(const EulerAngles& angles, const Reference& reference) noexcept;
-  void forgetPlan() noexcept;
-  void forgetAll() noexcept;
+  void resetObservers() noexcept override;
+  void forgetPlan() noexcept override;
 
-  MultirotorOptions options_;
   NonlinearMpc mpc_;
   ForceObserver observer_;
-  AttitudeTrim trim_;
 
   // How far the model's tilt runs ahead in a stage, see matchStages [1].
   TiltAngles ahead_;
@@ -67,8 +62,8 @@ class NonlinearController : public ControlLaw {
   Eigen::Vector3d disturbance_rate_ = Eigen::Vector3d::Zero();
   // Drag along the axes of W that the model leaves out [1/s].
   Eigen::Vector3d drag_ = Eigen::Vector3d::Zero();
-  // What the next command follows, and by the last one; nothing where another law sent it.
-  FollowedReference path_, followed_;
+  // What the next command follows.
+  FollowedReference path_;
   // N + 1 stages; the last one has the yaw at the end.
   std::vector<StageConditions> stages_;
   std::vector<StageReference> references_;  // N + 1
@@ -78,9 +73,6 @@ class NonlinearController : public ControlLaw {
   TiltAngles sooner_;
   // Yaw of the last sample [rad].
   double yaw_ = 0.0;
-  // Time up to which the observer has advanced [s].
-  double observed_until_ = 0.0;
-  bool observing_ = false;
   // True when report_.command is the last one of this law, or of another.
   bool has_command_ = false;
   // True when there is a solution from which to continue.
@@ -89,7 +81,6 @@ class NonlinearController : public ControlLaw {
   bool prepared_ = false;
   // Share of an angle that is left after a control period, and after a stage.
   TiltAngles period_decay_, stage_decay_;
-  PositionIntegrator integrator_;
 };
 
 }  // namespace polyfly

@@ -40,8 +40,12 @@ TiltAngles bodyToWorldTilt(const TiltAngles& body, double yaw) noexcept;
 
 constexpr double kLeastTiltCosine = 0.5;  ///< a tilt of 60 degrees
 
-/// Derivative of bodyToWorldTilt(roll and pitch, yaw) while the vehicle turns at `rates` about its body's axes [rad/s].
-/// The cosine of the pitch counts as at least kLeastTiltCosine.
+/// Derivatives of the angles while the body turns at `rates` about its axes [rad/s]. The cosine of the pitch counts as at least
+/// kLeastTiltCosine.
+EulerAngles eulerRates(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept;
+
+/// Derivative of bodyToWorldTilt(roll and pitch, yaw) while the vehicle turns at `rates` about its body's axes [rad/s], as
+/// eulerRates.
 TiltAngles worldTiltRate(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept;
 
 /// cos(roll) cos(pitch), at least kLeastTiltCosine, so that the thrust of Eq. 41 stays finite and positive

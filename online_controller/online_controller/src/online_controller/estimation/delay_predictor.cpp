@@ -46,15 +46,7 @@ Eigen::Quaterniond attitudeOf(double roll, double pitch, double yaw) noexcept {
          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
 }
 
-/// Derivatives of the angles while the body turns at `rates`. The cosine of the pitch counts as at least kLeastTiltCosine.
-EulerAngles eulerRates(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept {
-  const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
-  const double turn =
-      (sine * rates.y() + cosine * rates.z()) / std::max(std::cos(angles.pitch), kLeastTiltCosine);
-  return {rates.x() + std::sin(angles.pitch) * turn, cosine * rates.y() - sine * rates.z(), turn};
-}
-
-/// The inverse.
+/// The inverse of eulerRates.
 Eigen::Vector3d bodyRates(const EulerAngles& angles, const EulerAngles& rates) noexcept {
   const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
   const double turn = std::cos(angles.pitch) * rates.yaw;
@@ -75,7 +67,8 @@ DelayPredictor::DelayPredictor(const VehicleModel& model, const MultirotorOption
       period_(options.control_period),
       hover_{options.roll_trim, options.pitch_trim, 0.0, options.mass * options.gravity},
       force_(model.motion, following(options)),
-      trim_(loopsOf(model.motion), following(options)) {
+      trim_(loopsOf(model.motion), following(options)),
+      line_(options.control_period) {
   model_.motion.gravity = options.gravity;
   reset();
 }
@@ -83,7 +76,7 @@ DelayPredictor::DelayPredictor(const VehicleModel& model, const MultirotorOption
 void DelayPredictor::reset() noexcept {
   force_.reset();
   trim_.reset();
-  observing_ = false;
+  line_.restart();
   first_ = 0;
   count_ = 1;
   sent_[0] = {-std::numeric_limits<double>::infinity(), hover_};
@@ -123,25 +116,19 @@ AttitudeCommand DelayPredictor::meanSent(double from, double until) const noexce
 }
 
 void DelayPredictor::observe(const VehicleState& state, const EulerAngles& angles) noexcept {
-  const double late = (state.stamp - observed_until_) / period_;
-  int periods = ForceObserver::kMaxPeriods + 1;  // starts on the sample
-  if (observing_ && late < -0.5) {
-    force_.reset();  // time went back: another flight
+  const SampleLine::Step step = line_.next(state.stamp);
+  if (step.is_other_flight) {
+    force_.reset();
     trim_.reset();
-  } else if (observing_ && late < ForceObserver::kMaxPeriods + 0.5) {
-    periods = static_cast<int>(std::lround(late));
   }
-  if (periods == 0) return;
-  const bool continues = periods <= ForceObserver::kMaxPeriods;
-  const double since = continues ? std::min(last_stamp_, state.stamp) : state.stamp;
-  observed_until_ = continues ? observed_until_ + periods * period_ : state.stamp;
+  if (step.periods == 0) return;
+  const double since = step.continues() ? std::min(last_stamp_, state.stamp) : state.stamp;
   last_stamp_ = state.stamp;
-  observing_ = true;
   const AttitudeCommand acted = since < state.stamp
                                     ? meanSent(since - delay_, state.stamp - delay_)
                                     : meanSent(state.stamp - delay_ - period_, state.stamp - delay_);
-  force_.update(state, acted.thrust / mass_, periods);
-  trim_.update({angles.roll, angles.pitch}, acted, periods);
+  force_.update(state, acted.thrust / mass_, step.periods);
+  trim_.update({angles.roll, angles.pitch}, acted, step.periods);
 }
 
 // The command with which a lag of first order ends where this loop of second order does, by the trapezoidal rule: it is
@@ -204,9 +191,8 @@ void DelayPredictor::transferState(const DelayPredictor& from) noexcept {
   if (from.delay_ == 0.0) return;
   force_.transferState(from.force_);
   trim_.transferState(from.trim_);
-  observed_until_ = from.observed_until_;
+  line_.transferState(from.line_);
   last_stamp_ = from.last_stamp_;
-  observing_ = from.observing_;
 }
 
 }  // namespace polyfly

@@ -8,9 +8,6 @@
 namespace polyfly {
 namespace {
 
-// Least cosine of the pitch, for the rate of yaw.
-constexpr double kLeastCosine = 0.1;
-
 /// angle' = rate, rate' = stiffness angle + damping rate + gain u + moment.
 DisturbanceObserver makeLoop(double stiffness, double damping, double gain,
                              const MultirotorOptions& vehicle) {
@@ -38,32 +35,23 @@ const MomentModel& checked(const MomentModel& moments) {
   return moments;
 }
 
-/// The rates of roll, pitch and yaw from those about the body's axes.
-Eigen::Vector3d angleRates(const Eigen::Vector3d& body, const EulerAngles& angles) noexcept {
-  const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
-  const double pitch_cosine = std::max(std::cos(angles.pitch), kLeastCosine);
-  const double yaw_rate = (sine * body.y() + cosine * body.z()) / pitch_cosine;
-  return {body.x() + std::sin(angles.pitch) * yaw_rate, cosine * body.y() - sine * body.z(), yaw_rate};
-}
-
 }  // namespace
 
 VehicleObserver::VehicleObserver(const MultirotorModel& model, const MultirotorOptions& vehicle,
                                  const MomentModel& moments)
     : mass_(vehicle.mass),
-      period_(vehicle.control_period),
       duration_(checked(moments).calibration_duration),
       force_(model, vehicle),
       angles_{makeTilt(moments.roll_omega, moments.roll_damping, moments.roll_gain, vehicle),
               makeTilt(moments.pitch_omega, moments.pitch_damping, moments.pitch_gain, vehicle),
-              makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, vehicle)} {}
+              makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, vehicle)},
+      line_(vehicle.control_period) {}
 
 void VehicleObserver::transferState(const VehicleObserver& other) noexcept {
   force_.transferState(other.force_);
   for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i].transferState(other.angles_[i]);
   estimate_ = other.estimate_;
-  observed_until_ = other.observed_until_;
-  observing_ = other.observing_;
+  line_.transferState(other.line_);
   calibrating_ = other.calibrating_;
   calibrations_ = other.calibrations_;
   calibration_start_ = other.calibration_start_;
@@ -72,12 +60,16 @@ void VehicleObserver::transferState(const VehicleObserver& other) noexcept {
   moment_sum_ = other.moment_sum_;
 }
 
-void VehicleObserver::restart() noexcept { observing_ = false; }
+void VehicleObserver::restart() noexcept { line_.restart(); }
 
 void VehicleObserver::reset() noexcept {
+  forget();
+  line_.restart();
+}
+
+void VehicleObserver::forget() noexcept {
   force_.reset();
   for (DisturbanceObserver& angle : angles_) angle.reset();
-  observing_ = false;
   calibrating_ = false;
 }
 
@@ -89,17 +81,10 @@ void VehicleObserver::calibrate() noexcept {
 }
 
 void VehicleObserver::update(const VehicleState& state, const AttitudeCommand& held) noexcept {
-  constexpr int kMost = ForceObserver::kMaxPeriods;
-  const double late = (state.stamp - observed_until_) / period_;
-  int periods = kMost + 1;  // starts on the sample
-  if (observing_ && late < -0.5) {
-    reset();  // time went back: another flight
-  } else if (observing_ && late < kMost + 0.5) {
-    periods = static_cast<int>(std::lround(late));
-  }
+  const SampleLine::Step step = line_.next(state.stamp);
+  if (step.is_other_flight) forget();
+  const int periods = step.periods;
   if (periods == 0) return;
-  observed_until_ = periods > kMost ? state.stamp : observed_until_ + periods * period_;
-  observing_ = true;
   force_.update(state, held.thrust / mass_, periods);
   updateMoments(state, held, periods);
 
@@ -120,13 +105,14 @@ void VehicleObserver::update(const VehicleState& state, const AttitudeCommand& h
 void VehicleObserver::updateMoments(const VehicleState& state, const AttitudeCommand& held,
                                     int periods) noexcept {
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
-  const Eigen::Vector3d rates = angleRates(state.angular_velocity, angles);
+  const EulerAngles rates = eulerRates(angles, state.angular_velocity);
   // Yaw is unwrapped by what is known of it: the filter must not see a turn as a jump.
   const double yaw = estimate_.attitude.z() + wrapAngle(angles.yaw - estimate_.attitude.z());
   const std::array<double, 3> measured{angles.roll, angles.pitch, yaw};
+  const std::array<double, 3> measured_rates{rates.roll, rates.pitch, rates.yaw};
   const std::array<double, 3> commands{held.roll, held.pitch, held.yaw_rate};
   for (std::size_t i = 0; i < angles_.size(); ++i) {
-    const std::array<double, 2> sample{measured[i], rates(static_cast<Eigen::Index>(i))};
+    const std::array<double, 2> sample{measured[i], measured_rates[i]};
     angles_[i].update(sample.data(), &commands[i], periods);
   }
 }

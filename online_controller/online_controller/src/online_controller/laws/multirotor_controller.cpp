@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/valid.hpp"
 
@@ -41,17 +40,8 @@ AxisReference along(const Reference& reference, const Eigen::Vector3d& disturban
 
 }  // namespace
 
-void MultirotorController::forgetAll() noexcept {
+void MultirotorController::resetObservers() noexcept {
   for (Axis& axis : axes_) axis.reset();
-  trim_.reset();
-  clock_.reset();
-  integrator_.reset();
-  observing_ = false;
-  observed_until_ = 0.0;
-  report_ = ControlReport{};
-  report_.level_trim = trim_.level();
-  report_.command = levelCommand(options_, report_.level_trim);
-  forgetPlan();
 }
 
 const ControlReport& MultirotorController::step(const VehicleState& state,
@@ -211,32 +201,15 @@ void MultirotorController::correct(const VehicleState& state, const AttitudeComm
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
-  // Whole periods are counted on a time line of their own, so that jitter of the stamps does not add up.
-  const double late = (state.stamp - observed_until_) / options_.control_period;
-  int periods = DisturbanceObserver::kMaxPeriods + 1;  // starts on the sample
-  if (observing_ && late < -0.5) {
-    for (Axis& axis : axes_) axis.reset();  // time went back: another flight
-    trim_.reset();
-  } else if (observing_ && late < DisturbanceObserver::kMaxPeriods + 0.5) {
-    periods = static_cast<int>(std::lround(late));
-  }
+  const int periods = beginSample(state.stamp);
   if (periods == 0) return;
-  observed_until_ = periods > DisturbanceObserver::kMaxPeriods
-                        ? state.stamp
-                        : observed_until_ + periods * options_.control_period;
-  observing_ = true;
   const FlownReference is_flown = flown(followed_, measured.tilt, state.velocity);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     std::optional<double> velocity;
     if (is_flown.velocity) velocity = (*is_flown.velocity)(static_cast<Eigen::Index>(i));
     axes_[i].observe(measured.axes[i], applied_[i], periods, velocity);
   }
-  trim_.update(measured.tilt, report_.command, periods, is_flown.tilt);
-  followed_ = {};
-  report_.trim = trim_.angles();
-  report_.level_trim = trim_.level();
-  report_.coupling = trim_.coupling();
-  report_.loops = trim_.loops();
+  observeTrim(measured.tilt, periods, is_flown);
   report_.found_drag = {axes_[0].foundDrag(), axes_[1].foundDrag()};
 }
 
@@ -315,31 +288,15 @@ const ControlReport& MultirotorController::cannotAnswer(ControlReason reason) no
 }
 
 void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
-  trim_.reset();
-  report_.level_trim = trim_.level();
+  resetTrim();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
   }
 }
 
 void MultirotorController::forget(LawMemory what) noexcept {
-  switch (what) {
-    case LawMemory::kAll:
-      forgetAll();
-      break;
-    case LawMemory::kPlan:
-      forgetPlan();
-      break;
-    case LawMemory::kObserver:
-      observing_ = false;
-      break;
-    case LawMemory::kLoops:
-      trim_.forgetLoops();
-      break;
-    case LawMemory::kIntegral:
-      integrator_.reset();
-      break;
-  }
+  if (what == LawMemory::kAll) clock_.reset();
+  EstimatingLaw::forget(what);
 }
 
 void MultirotorController::forgetPlan() noexcept {

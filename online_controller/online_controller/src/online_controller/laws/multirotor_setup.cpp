@@ -119,12 +119,10 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : ControlLaw(timingOf(axes), modelOf(axes, options)),
-      options_(options),
+    : EstimatingLaw(timingOf(axes), modelOf(axes, options), options, tiltModel(axes),
+                    offsetOptions(axes, options)),
       axes_(std::move(axes)),
-      clock_(decisionClock(axes_, options.control_period)),
-      trim_(tiltModel(axes_), offsetOptions(axes_, options)),
-      integrator_(offsetOptions(axes_, options)) {
+      clock_(decisionClock(axes_, options.control_period)) {
   forgetAll();
 }
 

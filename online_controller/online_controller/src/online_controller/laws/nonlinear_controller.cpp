@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/valid.hpp"
@@ -84,17 +83,14 @@ double leadingCommand(double from, double to, double gain, double decay) noexcep
 }  // namespace
 
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
-    : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}, vehicleOf(mpc)),
-      options_(checked(limited(options, mpc))),
+    : EstimatingLaw({mpc.horizon + 1, mpc.period, mpc.period}, vehicleOf(mpc), checked(limited(options, mpc)),
+                    {mpc.model.roll_gain, mpc.model.roll_time, mpc.model.pitch_gain, mpc.model.pitch_time},
+                    options),
       mpc_(completed(mpc, options_)),
       observer_(mpc_.options().model, options, options.disturbance_rate_drift,
                 options.adapt_model && options.offset_free),
-      trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
-             mpc_.options().model.pitch_time},
-            options),
       period_decay_(decayOf(mpc_.options().model, options.control_period)),
-      stage_decay_(decayOf(mpc_.options().model, mpc_.options().period)),
-      integrator_(options_) {
+      stage_decay_(decayOf(mpc_.options().model, mpc_.options().period)) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
   references_.resize(points);
@@ -105,16 +101,9 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
   forgetAll();
 }
 
-void NonlinearController::forgetAll() noexcept {
+void NonlinearController::resetObservers() noexcept {
   observer_.reset();
-  trim_.reset();
-  integrator_.reset();
-  observing_ = false;
-  observed_until_ = 0.0;
-  report_ = ControlReport{};
-  report_.level_trim = trim_.level();
-  report_.command = levelCommand(options_, report_.level_trim);
-  forgetPlan();
+  iterating_ = false;
 }
 
 const ControlReport& NonlinearController::step(const VehicleState& state, const Reference* preview) noexcept {
@@ -141,28 +130,11 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
 
 // Number of control periods since the last sample, at most kMaxPeriods + 1.
 int NonlinearController::observe(const VehicleState& state, const EulerAngles& angles) noexcept {
-  const double late = (state.stamp - observed_until_) / options_.control_period;
-  int periods = ForceObserver::kMaxPeriods + 1;  // starts on the sample
-  if (observing_ && late < -0.5) {
-    observer_.reset();  // time went back: another flight
-    trim_.reset();
-    iterating_ = false;
-  } else if (observing_ && late < ForceObserver::kMaxPeriods + 0.5) {
-    periods = static_cast<int>(std::lround(late));
-  }
+  const int periods = beginSample(state.stamp);
   if (periods == 0) return 0;
-  observed_until_ = periods > ForceObserver::kMaxPeriods
-                        ? state.stamp
-                        : observed_until_ + periods * options_.control_period;
-  observing_ = true;
   const FlownReference is_flown = flown(followed_, {angles.roll, angles.pitch}, state.velocity);
   observer_.update(state, report_.command.thrust / options_.mass, periods, is_flown.velocity);
-  trim_.update({angles.roll, angles.pitch}, report_.command, periods, is_flown.tilt);
-  followed_ = {};
-  report_.trim = trim_.angles();
-  report_.level_trim = trim_.level();
-  report_.coupling = trim_.coupling();
-  report_.loops = trim_.loops();
+  observeTrim({angles.roll, angles.pitch}, periods, is_flown);
   const Eigen::Vector3d drag = observer_.drag();
   report_.found_drag = {drag.x(), drag.y()};
   return periods;
@@ -354,29 +326,8 @@ void NonlinearController::send(const EulerAngles& angles, const Reference& refer
 }
 
 void NonlinearController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
-  trim_.reset();
-  report_.level_trim = trim_.level();
+  resetTrim();
   observer_.setDisturbance(disturbance);
-}
-
-void NonlinearController::forget(LawMemory what) noexcept {
-  switch (what) {
-    case LawMemory::kAll:
-      forgetAll();
-      break;
-    case LawMemory::kPlan:
-      forgetPlan();
-      break;
-    case LawMemory::kObserver:
-      observing_ = false;
-      break;
-    case LawMemory::kLoops:
-      trim_.forgetLoops();
-      break;
-    case LawMemory::kIntegral:
-      integrator_.reset();
-      break;
-  }
 }
 
 void NonlinearController::forgetPlan() noexcept {

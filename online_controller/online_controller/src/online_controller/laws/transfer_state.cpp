@@ -6,19 +6,6 @@
 #include "online_controller/laws/nonlinear_controller.hpp"
 
 namespace polyfly {
-namespace {
-
-/// A command to be repeated meets the limits that hold now.
-void limit(const MultirotorOptions& options, AttitudeCommand& command) noexcept {
-  command.roll = std::clamp(command.roll, -options.angle_max, options.angle_max);
-  command.pitch = std::clamp(command.pitch, -options.angle_max, options.angle_max);
-  command.yaw_rate = std::clamp(command.yaw_rate, -options.yaw_rate_max, options.yaw_rate_max);
-  command.thrust =
-      std::clamp(command.thrust, options.mass * options.thrust_min, options.mass * options.thrust_max);
-}
-
-}  // namespace
-
 void MultirotorController::transferState(const ControlLaw& from) noexcept {
   const auto* other = dynamic_cast<const MultirotorController*>(&from);
   if (other == nullptr) return;
@@ -29,35 +16,19 @@ void MultirotorController::transferState(const ControlLaw& from) noexcept {
     if (axes_[i].problem().minimum_peak)
       inputs_[i] = std::clamp(inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
-  trim_.transferState(other->trim_);
-  report_ = other->report_;
-  swings_ = other->swings_;
-  report_.level_trim = trim_.level();
-  limit(options_, report_.command);
+  transferEstimates(*other);
   applied_ = other->applied_;
-  followed_ = other->followed_;
   feed_forward_ = other->feed_forward_;
   if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
-  observed_until_ = other->observed_until_;
-  observing_ = other->observing_;
-  integrator_.transferState(other->integrator_);
 }
 
 void NonlinearController::transferState(const ControlLaw& from) noexcept {
   const auto* other = dynamic_cast<const NonlinearController*>(&from);
   if (other == nullptr) return;
   observer_.transferState(other->observer_);
-  trim_.transferState(other->trim_);
-  report_ = other->report_;
-  swings_ = other->swings_;
-  report_.level_trim = trim_.level();
-  limit(options_, report_.command);
+  transferEstimates(*other);
   yaw_ = other->yaw_;
-  followed_ = other->followed_;
-  observed_until_ = other->observed_until_;
-  observing_ = other->observing_;
   has_command_ = other->has_command_;
-  integrator_.transferState(other->integrator_);
   prepared_ = false;
   // One that was prepared is shifted to the next sample already, and begins anew.
   iterating_ = other->iterating_ && !other->prepared_ && mpc_.transferState(other->mpc_);

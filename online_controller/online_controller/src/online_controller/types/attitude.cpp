@@ -41,14 +41,18 @@ TiltAngles bodyToWorldTilt(const TiltAngles& body, double yaw) noexcept {
   return {c * body.roll - s * body.pitch, c * body.pitch + s * body.roll};
 }
 
-TiltAngles worldTiltRate(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept {
+EulerAngles eulerRates(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept {
   const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
-  const double yaw_rate =
-      (rates.y() * sine + rates.z() * cosine) / std::max(std::cos(angles.pitch), kLeastTiltCosine);
-  const TiltAngles own{rates.x() + std::sin(angles.pitch) * yaw_rate, rates.y() * cosine - rates.z() * sine};
-  const TiltAngles tilting = bodyToWorldTilt(own, angles.yaw);
+  const double turn =
+      (sine * rates.y() + cosine * rates.z()) / std::max(std::cos(angles.pitch), kLeastTiltCosine);
+  return {rates.x() + std::sin(angles.pitch) * turn, cosine * rates.y() - sine * rates.z(), turn};
+}
+
+TiltAngles worldTiltRate(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept {
+  const EulerAngles own = eulerRates(angles, rates);
+  const TiltAngles tilting = bodyToWorldTilt({own.roll, own.pitch}, angles.yaw);
   const TiltAngles turning = bodyToWorldTilt({angles.roll, angles.pitch}, angles.yaw + 0.5 * kPi);
-  return {tilting.roll + yaw_rate * turning.roll, tilting.pitch + yaw_rate * turning.pitch};
+  return {tilting.roll + own.yaw * turning.roll, tilting.pitch + own.yaw * turning.pitch};
 }
 
 double tiltCosine(const TiltAngles& tilt) noexcept {
