@@ -4,6 +4,7 @@
 #include <std_msgs/String.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 
 #include "polyfly_base/error.hpp"

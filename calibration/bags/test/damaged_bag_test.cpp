@@ -2,6 +2,7 @@
 // what was lost is known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <tuple>

@@ -114,7 +114,7 @@ ReportSection actionsSection(Json actions) {
   if (actions.size() > kListedActions) {
     section.sentences.push_back(std::to_string(actions.size() - kListedActions) +
                                 " more are in summary.json.");
-    actions.erase(actions.begin() + kListedActions, actions.end());
+    actions.get_ref<Json::array_t&>().resize(kListedActions);
   }
   section.table = tableOf(actions, {{"axis", "/axis"},
                                     {"from [s]", "/from_s"},

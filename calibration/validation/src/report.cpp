@@ -106,7 +106,7 @@ void addExcursions(const Json& axes, std::vector<ReportSection>* sections) {
   if (rows.size() > kShownExcursions) {
     section.sentences.push_back("And " + std::to_string(rows.size() - kShownExcursions) +
                                 " shorter ones, in summary.json.");
-    rows.erase(rows.begin() + kShownExcursions, rows.end());
+    rows.get_ref<Json::array_t&>().resize(kShownExcursions);
   }
   for (Json& row : rows) {
     std::ostringstream time;

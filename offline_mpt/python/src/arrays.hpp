@@ -16,11 +16,11 @@ using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::a
 
 /// Read-only array over memory that `owner` keeps. Strides in bytes; none: row-major.
 template <class Number>
-pybind11::array view(const Number* data, std::vector<pybind11::ssize_t> shape, pybind11::handle owner,
-                     std::vector<pybind11::ssize_t> strides = {}) {
+pybind11::array_t<Number> view(const Number* data, std::vector<pybind11::ssize_t> shape,
+                               pybind11::handle owner, std::vector<pybind11::ssize_t> strides = {}) {
   pybind11::array_t<Number> result(std::move(shape), std::move(strides), data, owner);
   result.attr("setflags")(pybind11::arg("write") = false);
-  return std::move(result);
+  return result;
 }
 
 /// The p numbers of one parameter. Throws Error `name: theta: rule`.

@@ -41,14 +41,14 @@ void inBlocks(std::size_t count, const Work& work) {
   }
 }
 
-py::array call(const LoadedMap& map, const Numbers& theta) {
+py::array_t<double> call(const LoadedMap& map, const Numbers& theta) {
   const double* numbers = parameterOf(theta, map.parameterCount(), map.map().path());
   py::array_t<double> u(static_cast<py::ssize_t>(map.inputCount()));
   map.evaluate(numbers, u.mutable_data());
-  return std::move(u);
+  return u;
 }
 
-py::array evaluate(const LoadedMap& map, const Numbers& thetas, int threads) {
+py::array_t<double> evaluate(const LoadedMap& map, const Numbers& thetas, int threads) {
   const std::size_t p = map.parameterCount();
   const std::size_t m = map.inputCount();
   const std::size_t count = parameterRows(thetas, p, map.map().path());
@@ -59,10 +59,10 @@ py::array evaluate(const LoadedMap& map, const Numbers& thetas, int threads) {
   inBlocks(count, [&](std::size_t first, std::size_t size) {
     map.evaluateMany(from + first * p, size, workers, to + first * m);
   });
-  return std::move(u);
+  return u;
 }
 
-py::array locate(const LoadedMap& map, const Numbers& thetas, int threads) {
+py::array_t<std::int64_t> locate(const LoadedMap& map, const Numbers& thetas, int threads) {
   const std::size_t p = map.parameterCount();
   const std::size_t count = parameterRows(thetas, p, map.map().path());
   const int workers = threadCount(threads);
@@ -72,7 +72,7 @@ py::array locate(const LoadedMap& map, const Numbers& thetas, int threads) {
   inBlocks(count, [&](std::size_t first, std::size_t size) {
     map.locateMany(from + first * p, size, workers, to + first);
   });
-  return std::move(regions);
+  return regions;
 }
 
 py::array gainOf(const py::object& self, std::size_t law) {

@@ -80,14 +80,14 @@ ParametricProgram programOf(const Arrays& arrays, const ProgramOptions& options)
   return parseProgramJson(json.dump() + "\n", options.name);
 }
 
-py::array solveOnline(OnlineProgram& online, const Numbers& theta) {
+py::array_t<double> solveOnline(OnlineProgram& online, const Numbers& theta) {
   const ParametricProgram& program = online.program();
   const double* numbers = parameterOf(theta, program.parameters.size(), program.name);
   py::array_t<double> u(program.inputCount());
   const char* rule = "";
   switch (online.solve(numbers, u.mutable_data())) {
     case QpStatus::kOptimal:
-      return std::move(u);
+      return u;
     case QpStatus::kInfeasible:
       throw OutsideError(program.name + ": theta: the constraints contradict each other");
     case QpStatus::kIterationLimit:

@@ -34,12 +34,12 @@ void copyRow(const MapRegion& region, std::uint32_t row, double* to) {
     to[i] = reference > 0 ? plane[i] : -plane[i];
 }
 
-py::array halfSpaces(const MapRegion& region) {
+py::array_t<double> halfSpaces(const MapRegion& region) {
   const std::size_t columns = region.map->parameterCount() + 1;
   py::array_t<double> rows({std::size_t{region.data().row_count}, columns});
   for (std::uint32_t row = 0; row < region.data().row_count; ++row)
     copyRow(region, row, rows.mutable_data() + row * columns);
-  return std::move(rows);
+  return rows;
 }
 
 ExactPolytope polytopeOf(const MapRegion& region) {
@@ -66,7 +66,7 @@ bool areSame(const std::vector<Signal>& parameters, const double* a, const doubl
   return true;
 }
 
-py::array verticesOf(const MapRegion& region) {
+py::array_t<double> verticesOf(const MapRegion& region) {
   const std::vector<Signal>& parameters = region.map->map().parameters();
   const std::size_t p = parameters.size();
   std::vector<double> kept;
@@ -83,7 +83,7 @@ py::array verticesOf(const MapRegion& region) {
   }
   py::array_t<double> result({kept.size() / p, p});
   std::copy(kept.begin(), kept.end(), result.mutable_data());
-  return std::move(result);
+  return result;
 }
 
 constexpr auto kNumber = static_cast<py::ssize_t>(sizeof(double));

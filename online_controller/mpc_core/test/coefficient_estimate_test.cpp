@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <string>
 #include <vector>

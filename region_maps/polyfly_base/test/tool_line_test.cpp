@@ -1,6 +1,7 @@
 // What a tool says about a command line that breaks a rule, and how it ends.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 
