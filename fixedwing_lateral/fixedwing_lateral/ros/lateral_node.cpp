@@ -41,6 +41,8 @@ LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle)
   ParameterReader reader(private_handle);
   polyfly::visitLateralParameters(setup, reader);
   reader.passOver(polyfly::kInForceGroup);
+  reader.refuseRemoved(
+      {{"guidance/time_budget", "guidance/iterations makes more than one, whatever the time"}});
   reader.refuseUnknown({polyfly::kLateralGroups.begin(), polyfly::kLateralGroups.end()});
   polyfly::finishParameters(&setup, private_handle.getNamespace());
   return setup;
@@ -226,7 +228,6 @@ void LateralNode::step(double now) {
   input_.engaged = engaged_ && (!setup_.watch_autopilot || autopilot_.follows(input_.time));
   const Clock::time_point start = Clock::now();
   const polyfly::GuidanceOutput& output = guidance_.update(input_);
-  improve(start);
   feedback_time_ = secondsSince(start);
   publishCommand(output, odometry_header_);
   publishStatus(output, odometry_header_);
@@ -235,17 +236,6 @@ void LateralNode::step(double now) {
   const Clock::time_point published = Clock::now();
   guidance_.prepare();
   preparation_time_ = secondsSince(published);
-}
-
-// Further iterations, as long as the longest of them so far still fits into what is left of the budget.
-void LateralNode::improve(const Clock::time_point& start) {
-  double longest = 0.0;
-  double before = secondsSince(start);
-  while (before + longest < setup_.guidance.time_budget && guidance_.improve()) {
-    const double after = secondsSince(start);
-    longest = std::max(longest, after - before);
-    before = after;
-  }
 }
 
 void LateralNode::publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header) {

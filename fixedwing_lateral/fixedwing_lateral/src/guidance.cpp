@@ -110,7 +110,6 @@ void LateralGuidance::rescale() noexcept {
 
 const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexcept {
   output_.restarted = false;
-  can_improve_ = false;
   output_.nmpc = NmpcReport{};
   const GuidanceReason bad = fault(input);
   if (bad != GuidanceReason::kNone) {
@@ -165,7 +164,6 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
                                   : too_steep_           ? GuidanceReason::kTooSteep
                                                          : GuidanceReason::kNone;
     command(GuidanceMode::kTracking, reason, nmpc_.moves()[options_.applied_move]);
-    can_improve_ = true;
   } else {
     needs_restart_ = true;
     output_.reason = GuidanceReason::kSolver;
@@ -174,24 +172,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   return output_;
 }
 
-bool LateralGuidance::improve() noexcept {
-  if (!can_improve_) return false;
-  can_improve_ = false;
-  if (!nmpc_.prepare(data_)) return false;
-  output_.nmpc.kkt = nmpc_.kkt();
-  if (nmpc_.kkt() < options_.kkt_tolerance) return false;
-  NmpcReport report = nmpc_.feedback(solved_from_);
-  if (!report.hasMoves()) return false;
-  report.iterations += output_.nmpc.iterations;
-  output_.nmpc = report;
-  keepHorizon(horizon_time_);
-  command(output_.mode, output_.reason, nmpc_.moves()[options_.applied_move]);
-  can_improve_ = true;
-  return true;
-}
-
 void LateralGuidance::prepare() noexcept {
-  can_improve_ = false;
   if (needs_restart_ || track_.empty()) return;
   nmpc_.keepAsPrevious(options_.period / nmpc_.stepDuration());
   fillData();
@@ -246,7 +227,6 @@ bool LateralGuidance::hasJumped(const AircraftState& state) noexcept {
 
 bool LateralGuidance::solve(const GuidanceInput& input) noexcept {
   const LateralState state = predicted(input.state);
-  solved_from_ = state;
   const double age = input.time - horizon_time_;
   if (needs_restart_ || !(age >= 0.0 && age <= kHorizonLife)) restart(state);
   for (int attempt = 0; attempt < 2; ++attempt) {

@@ -33,9 +33,7 @@ LateralNmpc::LateralNmpc(const LateralModel& model, const HorizonOptions& option
       previous_(N_),
       switch_rise_(N_),
       roll_along_(N_ + 1),
-      input_along_(N_ + 1),
-      trial_nodes_(N_ + 1, LateralState::Zero()),
-      trial_moves_(N_) {
+      input_along_(N_ + 1) {
   qp_.roll = shooting_.transition();
   setTuning(LateralWeights{}, LateralLimits{});
 }
@@ -61,7 +59,8 @@ void LateralNmpc::reset(const HorizonData& data, const LateralState& state, doub
   std::fill(moves_.begin(), moves_.end(), held);
   std::fill(previous_.begin(), previous_.end(), held);
   nodes_[0] = state;
-  simulate(data, nodes_, moves_);
+  for (int k = 0; k < N_; ++k)
+    nodes_[k + 1] = integrate(model_, data.conditions, nodes_[k], {moves_[k], step_});
   qp_.coldStart();
   prepared_ = false;
 }
@@ -113,11 +112,9 @@ void LateralNmpc::linearise(const HorizonData& data) noexcept {
 void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noexcept {
   const double limit = limits_.roll_reference;
   largest_track_error_ = std::max(largest_track_error_, terms.track_error);
-  if (!keep_roll_along_) {
-    const double holding = model_.a0 / model_.b0 * terms.roll_along - weights_.feedforward * roll_bias;
-    roll_along_[k] = std::clamp(terms.roll_along, -limit, limit);
-    input_along_[k] = std::clamp(holding, -limit, limit);
-  }
+  const double holding = model_.a0 / model_.b0 * terms.roll_along - weights_.feedforward * roll_bias;
+  roll_along_[k] = std::clamp(terms.roll_along, -limit, limit);
+  input_along_[k] = std::clamp(holding, -limit, limit);
   const double roll = nodes_[k][Index::kRoll] - roll_along_[k];
   qp_.stages()[k].q[3] = weights_.roll * roll;
   cost_ += terms.cost + weights_.roll * roll * roll;
@@ -226,78 +223,6 @@ NmpcReport LateralNmpc::iterate(const HorizonData& data, const LateralState& sta
     if (!report.hasMoves()) break;
   }
   return report;
-}
-
-void LateralNmpc::simulate(const HorizonData& data, std::vector<LateralState>& nodes,
-                           const std::vector<double>& moves) const noexcept {
-  for (int k = 0; k < N_; ++k) nodes[k + 1] = integrate(model_, data.conditions, nodes[k], {moves[k], step_});
-}
-
-double LateralNmpc::costOf(const HorizonData& data, const std::vector<LateralState>& nodes,
-                           const std::vector<double>& moves) const noexcept {
-  const TrackingCost tracking(model_, data, weights_);
-  double cost = 0.0;
-  for (int k = 0; k <= N_; ++k) {
-    cost += tracking.cost(nodes[k], roll_along_[k]);
-    const double excess = std::abs(nodes[k][Index::kRoll]) - limits_.roll;
-    if (k > 0) cost += 2.0 * limits_.roll_penalty * std::max(excess, 0.0);
-    if (k == N_) break;
-    const double deviation = moves[k] - previous_[k];
-    const double turning = moves[k] - input_along_[k];
-    cost += weights_.roll_reference * turning * turning + slew_[k] * deviation * deviation;
-  }
-  return cost;
-}
-
-NmpcReport LateralNmpc::optimise(const HorizonData& data, const LateralState& state, int most,
-                                 double tolerance) noexcept {
-  NmpcReport report;
-  nodes_[0] = state;
-  simulate(data, nodes_, moves_);
-  linearise(data);
-  keep_roll_along_ = true;  // one problem, not another one at each iteration
-  double cost = costOf(data, nodes_, moves_);
-  for (int i = 0; i < most; ++i) {
-    report.cost = cost;
-    if (!prepare(data)) {
-      report.status = QpStatus::kNotFinite;
-      break;
-    }
-    report.kkt = kkt_;
-    if (kkt_ < tolerance) break;
-    const double zero[kStates] = {0.0, 0.0, 0.0, 0.0, 0.0};
-    report.status = qp_.solve(zero);
-    report.iterations = i + 1;
-    report.active_bounds = qp_.activeCount();
-    if (!report.hasMoves() || !searchLine(data, cost)) break;
-    cost = costOf(data, nodes_, moves_);
-    report.cost = cost;
-  }
-  keep_roll_along_ = false;
-  prepared_ = false;
-  return report;
-}
-
-// Halves the step until the cost falls by a share of what the gradient promises. False when it never does.
-bool LateralNmpc::searchLine(const HorizonData& data, double cost) noexcept {
-  constexpr double kShare = 1e-4;
-  constexpr int kHalvings = 20;
-  /// The step's length in the metric of the moves' weights: a lower bound of the descent.
-  double promised = 0.0;
-  for (int k = 0; k < N_; ++k) promised += qp_.stages()[k].R * qp_.moves()[k] * qp_.moves()[k];
-  double length = 1.0;
-  for (int i = 0; i < kHalvings; ++i, length *= 0.5) {
-    for (int k = 0; k < N_; ++k)
-      trial_moves_[k] =
-          std::clamp(moves_[k] + length * qp_.moves()[k], -limits_.roll_reference, limits_.roll_reference);
-    trial_nodes_[0] = nodes_[0];
-    simulate(data, trial_nodes_, trial_moves_);
-    if (costOf(data, trial_nodes_, trial_moves_) > cost - kShare * length * promised) continue;
-    moves_.swap(trial_moves_);
-    nodes_.swap(trial_nodes_);
-    return true;
-  }
-  return false;
 }
 
 }  // namespace polyfly

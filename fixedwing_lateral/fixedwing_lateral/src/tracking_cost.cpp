@@ -35,19 +35,6 @@ double TrackingCost::trackWeight(Reversal reversal) const noexcept {
   return reversal == Reversal::kNone ? weights_.track : 0.0;
 }
 
-double TrackingCost::cost(const LateralState& state, double roll_reference) const noexcept {
-  const Eigen::Vector2d velocity = groundVelocity(data_.conditions, state[Index::kHeading]);
-  const PathSegment& segment = segmentAt(state, velocity);
-  const ClosestPoint nearest = closestOnCarrier(segment, state.head<2>());
-  const TrackError error = trackError(nearest.point, state.head<2>(), velocity);
-  const Reversal reversal = reversalOn(segment);
-  const double course = courseError(error.course, reversal);
-  const double roll = state[Index::kRoll] - roll_reference;
-  const double rate = state[Index::kRollRate];
-  return trackWeight(reversal) * error.track * error.track + weights_.course * course * course +
-         weights_.roll * roll * roll + weights_.roll_rate * rate * rate;
-}
-
 // With a course rate of v_g / (distance to the centre of curvature).
 double TrackingCost::rollAlong(const ClosestPoint& nearest, double track, const Eigen::Vector2d& air,
                                const Eigen::Vector2d& velocity) const noexcept {

@@ -298,47 +298,6 @@ TEST_F(Failsafe, SurvivesATimeThatBeginsAnew) {
   expectRecovery();
 }
 
-TEST_F(Failsafe, ImprovesUntilTheKktToleranceIsMet) {
-  GuidanceOptions options;
-  options.kkt_tolerance = 1e-6;
-  LateralGuidance one(options, "test");
-  options.iterations = 100;
-  LateralGuidance many(options, "test");
-  for (LateralGuidance* guidance : {&one, &many})
-    guidance->setMission(missionThrough({{0.0, 0.0}, {300.0, 0.0}, {300.0, 400.0}}, {}, "test"));
-  GuidanceInput input = truth();
-  input.state.position = {200.0, 30.0};
-  input.state.ground_velocity = {14.0 * std::cos(1.0), 14.0 * std::sin(1.0)};
-  input.state.heading = 1.0;  // far from the first guess: the first iteration is not the last
-  const double first = one.update(input).roll_reference;
-  int improvements = 0;
-  while (one.improve()) ASSERT_LT(++improvements, 50);
-  EXPECT_GT(improvements, 1);
-  EXPECT_LT(one.output().nmpc.kkt, 1e-6);
-  EXPECT_EQ(one.output().nmpc.iterations, 1 + improvements);
-  many.update(input);
-  EXPECT_NEAR(one.output().roll_reference, many.output().roll_reference, 1e-9);
-  EXPECT_GT(std::abs(one.output().roll_reference - first), 1e-4);
-  EXPECT_FALSE(one.improve());
-}
-
-TEST_F(Failsafe, ImprovesNothingWhereItDoesNotTrack) {
-  EXPECT_FALSE(guidance_.improve());  // before anything
-  fly(1.0);
-  EXPECT_FALSE(guidance_.improve());  // after `prepare`: the call is over
-  GuidanceInput input = truth();
-  input.state.roll = kNan;
-  const double held = guidance_.update(input).roll_reference;
-  EXPECT_FALSE(guidance_.improve());
-  EXPECT_EQ(guidance_.output().roll_reference, held);
-  input = truth();
-  input.engaged = false;
-  guidance_.update(input);
-  EXPECT_FALSE(guidance_.improve());
-  guidance_.prepare();
-  expectRecovery();
-}
-
 TEST_F(Failsafe, AllocatesNothing) {
   const GuidanceInput good = truth();
   std::vector<GuidanceInput> inputs(12, good);
@@ -355,8 +314,6 @@ TEST_F(Failsafe, AllocatesNothing) {
   const long before = polyfly_test::allocationCount();
   for (const GuidanceInput& input : inputs) {
     guidance_.update(input);
-    for (int i = 0; i < 3 && guidance_.improve(); ++i) {
-    }
     guidance_.prepare();
   }
   guidance_.setTuning(LateralWeights{}, LateralLimits{}, SafetyOptions{});

@@ -1,4 +1,4 @@
-// Full sequential programming against NLopt: an optimiser, a cost and a gradient that share nothing with it
+// Where the real-time iteration comes to rest, against NLopt: an optimiser, a cost and a gradient that share nothing with it
 // but the model's `integrate` and the path errors.
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using Index = LateralIndex;
 using Eigen::Vector2d;
 
 constexpr int kStates = 200;
-constexpr int kIterations = 10;
+constexpr int kIterations = 100;
 // Tolerance of a move [rad], and relative tolerance of the cost.
 constexpr double kAgreement = 1e-4;
 constexpr double kDifference = 1e-6;
@@ -109,7 +109,7 @@ Problem draw(std::mt19937& random) {
   return problem;
 }
 
-TEST(SequentialProgramming, ReachesTheOptimumThatNloptFinds) {
+TEST(RealTimeIteration, ComesToRestAtTheOptimumThatNloptFinds) {
   std::mt19937 random(2024);
   int bounded = 0;
   for (int i = 0; i < kStates; ++i) {
@@ -119,7 +119,7 @@ TEST(SequentialProgramming, ReachesTheOptimumThatNloptFinds) {
     if (i % 4 == 0) limits.roll_reference = 0.25;
     nmpc.setTuning(problem.weights, limits);
     nmpc.reset(problem.data, problem.state, problem.previous);
-    const NmpcReport report = nmpc.optimise(problem.data, problem.state, kIterations, 1e-9);
+    const NmpcReport report = nmpc.iterate(problem.data, problem.state, kIterations, 1e-9);
     nlopt::opt reference(nlopt::LD_SLSQP, 40);
     reference.set_lower_bounds(-limits.roll_reference);
     reference.set_upper_bounds(limits.roll_reference);

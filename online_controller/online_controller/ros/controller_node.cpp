@@ -22,20 +22,17 @@ constexpr const char* kByPrefix =
     "start the node, or the nodelet manager, with launch-prefix=\"chrt -f 50 taskset -c 2\"";
 constexpr const char* kByThread = "odometry is answered in the control thread";
 
-/// Parameters of earlier versions, and what to use instead.
-constexpr struct {
-  const char* name;
-  const char* instead;
-} kRefused[] = {{"control_interface/idle_publishes",
-                 "nothing is sent before a reference or a take-off; for the set-points that an autopilot "
-                 "needs to become guided use "
-                 "control_interface/offboard_stream"},
-                {"real_time/priority", kByPrefix},
-                {"real_time/core", kByPrefix},
-                {"real_time/lock_memory", kByPrefix},
-                {"real_time/answer", kByThread},
-                {"real_time/poll", kByThread},
-                {"real_time/rehearse", kByThread}};
+const std::vector<RemovedParameter> kRemoved = {
+    {"control_interface/idle_publishes",
+     "nothing is sent before a reference or a take-off; for the set-points that an autopilot "
+     "needs to become guided use "
+     "control_interface/offboard_stream"},
+    {"real_time/priority", kByPrefix},
+    {"real_time/core", kByPrefix},
+    {"real_time/lock_memory", kByPrefix},
+    {"real_time/answer", kByThread},
+    {"real_time/poll", kByThread},
+    {"real_time/rehearse", kByThread}};
 
 }  // namespace
 
@@ -49,10 +46,7 @@ ControllerNode::Setup ControllerNode::readSetup(const ros::NodeHandle& private_h
   setup.output = readOutputOptions(reader);
   reader("provenance", setup.provenance);
   reader.passOver(polyfly::kInForceGroup);
-  for (const auto& refused : kRefused) {
-    if (reader.given(refused.name))
-      throw polyfly::Error(std::string("parameter ") + refused.name + " is removed: " + refused.instead);
-  }
+  reader.refuseRemoved(kRemoved);
   reader.refuseUnknown(polyfly::ownGroups());
   if (!has_legacy_names) {  // else the import has told
     for (const std::string& name : reader.unread())

@@ -100,6 +100,13 @@ std::string ParameterReader::text(const std::string& key, const std::string& wha
   return given(key) ? requiredText(key, what) : fallback;
 }
 
+void ParameterReader::refuseRemoved(const std::vector<RemovedParameter>& removed) {
+  for (const RemovedParameter& parameter : removed) {
+    if (given(parameter.name))
+      throw polyfly::Error(std::string("parameter ") + parameter.name + " is removed: " + parameter.instead);
+  }
+}
+
 void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
   const std::vector<std::string> names = allNames();
   refuseMisspeltGroups(names, namespaces);

@@ -111,12 +111,10 @@ struct GuidanceOutput {
 ///
 ///     // Feedback, as soon as the state has arrived.
 ///     output = guidance.update(input);
-///     // Optional: further iterations until convergence.
-///     while (thereIsTime() && guidance.improve()) {}
 ///     // Preparation of the next call, after the command was sent.
 ///     guidance.prepare();
 ///
-/// `update`, `improve` and `prepare` do not allocate, throw, log or read a clock. One object serves one
+/// `update` and `prepare` do not allocate, throw, log or read a clock. One object serves one
 /// thread.
 class LateralGuidance {
  public:
@@ -133,10 +131,6 @@ class LateralGuidance {
 
   const GuidanceOutput& update(const GuidanceInput& input) noexcept;
 
-  /// One more iteration from the state of the last `update`, which may change the output. False, and nothing
-  /// is changed, where there is nothing to gain: KKT is below the tolerance, or it is not tracking. Reads no
-  /// clock: the caller decides between two iterations whether there is time for another.
-  bool improve() noexcept;
   void prepare() noexcept;
 
   /// Output of the last call.
@@ -185,8 +179,6 @@ class LateralGuidance {
   HorizonData data_;
   GuidanceOutput output_;
   // Initial state of the last optimisation.
-  LateralState solved_from_ = LateralState::Zero();
-  bool can_improve_ = false;
   // Moves of the last valid horizon.
   std::vector<double> kept_moves_;
   // True when the quadratic program is prepared for the present data_.

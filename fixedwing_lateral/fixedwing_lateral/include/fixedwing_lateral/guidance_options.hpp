@@ -82,8 +82,6 @@ struct GuidanceOptions {
   double delay = 0.0;
   /// Greatest number of iterations in one call.
   int iterations = 1;
-  /// Time in which a node may do further iterations before it sends the command; 0: none [s].
-  double time_budget = 0.0;
   /// KKT measure below which the iterations stop.
   double kkt_tolerance = 1e-3;
 };
@@ -150,7 +148,6 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("guidance/applied_move", options.applied_move, "", Range{0.0, 1.0});
   visit("guidance/delay", options.delay, "s", Range{0.0, 1.0});
   visit("guidance/iterations", options.iterations, "", Range{1.0, 100.0});
-  visit("guidance/time_budget", options.time_budget, "s", Range{0.0, 0.1});
   visit("guidance/kkt_tolerance", options.kkt_tolerance, "", Range{1e-12, 1e3});
 }
 

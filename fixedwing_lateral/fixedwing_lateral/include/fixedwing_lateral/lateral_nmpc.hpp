@@ -81,10 +81,6 @@ class LateralNmpc {
   /// Iterations until the KKT measure is below the tolerance, at most `most` (at least one).
   NmpcReport iterate(const HorizonData& data, const LateralState& state, int most, double tolerance) noexcept;
 
-  /// Full sequential quadratic programming: single shooting, each step shortened until the cost falls enough.
-  NmpcReport optimise(const HorizonData& data, const LateralState& state, int most,
-                      double tolerance) noexcept;
-
   double* moves() noexcept { return moves_.data(); }  ///< phi_r of the intervals, N [rad]
   const double* moves() const noexcept { return moves_.data(); }
   LateralState* nodes() noexcept { return nodes_.data(); }  ///< N + 1
@@ -101,11 +97,6 @@ class LateralNmpc {
   void setBounds() noexcept;
   double stationarity() noexcept;
   void takeStep() noexcept;
-  double costOf(const HorizonData& data, const std::vector<LateralState>& nodes,
-                const std::vector<double>& moves) const noexcept;
-  void simulate(const HorizonData& data, std::vector<LateralState>& nodes,
-                const std::vector<double>& moves) const noexcept;
-  bool searchLine(const HorizonData& data, double cost) noexcept;
 
   LateralModel model_;
   int N_ = 0;
@@ -125,9 +116,6 @@ class LateralNmpc {
   std::vector<double> roll_along_;
   // Roll reference that holds roll_along_; phi_r is counted from it [rad].
   std::vector<double> input_along_;
-  std::vector<LateralState> trial_nodes_;
-  std::vector<double> trial_moves_;
-  bool keep_roll_along_ = false;
   bool prepared_ = false;
   double kkt_ = 0.0;
   double cost_ = 0.0;

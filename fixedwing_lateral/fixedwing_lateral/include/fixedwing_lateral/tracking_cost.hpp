@@ -26,9 +26,6 @@ class TrackingCost {
 
   const PathSegment& segmentOf(const LateralState& state) const noexcept;
 
-  /// `roll_reference` [rad] is what phi is counted from.
-  double cost(const LateralState& state, double roll_reference) const noexcept;
-
   /// Fills the Gauss-Newton terms (Q, q) of `stage`, but for the q of phi, which depends on its reference. q
   /// is half of the cost's gradient, as the quadratic program has half of the cost.
   StageTerms linearise(const LateralState& state, HorizonStage& stage) const noexcept;

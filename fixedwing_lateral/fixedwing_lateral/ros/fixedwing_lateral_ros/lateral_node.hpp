@@ -58,7 +58,6 @@ class LateralNode {
 
   /// At the time `now` [s].
   void step(double now);
-  void improve(const std::chrono::steady_clock::time_point& start);
   void publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
   void publishStatus(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);

@@ -10,6 +10,12 @@
 
 namespace polyfly_ros {
 
+/// A parameter of earlier versions, and what to use instead.
+struct RemovedParameter {
+  const char* name;
+  const char* instead;
+};
+
 /// Reads options from a node's private parameters. It is the visitor of an option list. Each call reads one
 /// parameter, or leaves the default where it is not set. It throws Error naming the parameter when its type or range
 /// is wrong.
@@ -38,6 +44,9 @@ class ParameterReader {
 
   /// As requiredText, but `fallback` where the parameter is not set.
   std::string text(const std::string& key, const std::string& what, const std::string& fallback);
+
+  /// Throws Error naming a removed parameter that is set, and what to use instead.
+  void refuseRemoved(const std::vector<RemovedParameter>& removed);
 
   /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling. So is a value in
   /// place of one of them, and one below a namespace whose name is near to one of these, or of those read: see polyfly::closestName.
