@@ -170,7 +170,7 @@ Tally compare(const MpcProblem& problem, unsigned seed, double size) {
     for (const SlackVariable& slack : program.slacks) {
       for (Eigen::Index i = 0; i < excess.size(); ++i)
         if (problem.constraints[static_cast<std::size_t>(i)].signal.name == slack.name)
-          excess(i) = std::max(excess(i), online.solver().x()[slack.variable]);
+          excess(i) = std::max(excess(i), online.z()[slack.variable]);
     }
     EXPECT_LT(maxAbs(excess - expected.excess), kTolerance) << trial;
     if (excess.size() > 0 && excess.maxCoeff() > kSlackTolerance) ++tally.exceeded;
