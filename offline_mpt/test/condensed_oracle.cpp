@@ -37,6 +37,7 @@ std::vector<Real> solved(Rows a, std::vector<Real> b) {
     std::size_t best = k;
     for (std::size_t i = k; i < n; ++i)
       if (abs(a[i][k]) > abs(a[best][k])) best = i;
+    if (a[best][k] == 0) throw std::runtime_error("a singular system");
     std::swap(a[k], a[best]);
     std::swap(b[k], b[best]);
     for (std::size_t i = k + 1; i < n; ++i) {
@@ -94,6 +95,65 @@ Rows riccati(const Rows& A, const Rows& B, const Rows& Q, const Real& R) {
   throw std::runtime_error("no solution of the Riccati equation");
 }
 
+/// min 1/2 z'Hz + gradient'z, |z_k| <= limit, and (z, 1) normal to the rows of `end`.
+struct BoundedOptimum {
+  const Rows& H;
+  const std::vector<Real>& gradient;
+  const Rows& end;
+  const Real limit;
+
+  /// Where each entry of z is: free (0), at its upper (1) or lower bound (-1).
+  using Sides = std::vector<int>;
+
+  /// z, then the multipliers of `end`.
+  std::vector<Real> at(const Sides& sides) const {
+    const std::size_t N = H.size(), m = end.size();
+    Rows system = zero(N + m, N + m);
+    std::vector<Real> right(N + m, real(0.0));
+    for (std::size_t k = 0; k < N; ++k) {
+      if (sides[k] != 0) {
+        system[k][k] = 1;
+        right[k] = limit * sides[k];
+        continue;
+      }
+      for (std::size_t j = 0; j < N; ++j) system[k][j] = H[k][j];
+      for (std::size_t i = 0; i < m; ++i) system[k][N + i] = end[i][k];
+      right[k] = -gradient[k];
+    }
+    for (std::size_t i = 0; i < m; ++i) {
+      for (std::size_t j = 0; j < N; ++j) system[N + i][j] = end[i][j];
+      right[N + i] = -end[i][N];
+    }
+    return solved(system, right);
+  }
+
+  /// Where the entry has to go from its side; its own side where it may stay.
+  int better(const std::vector<Real>& z, std::size_t k, int side) const {
+    if (side == 0) return z[k] > limit ? 1 : z[k] < -limit ? -1 : 0;
+    Real slope = gradient[k];
+    for (std::size_t j = 0; j < H.size(); ++j) slope += H[k][j] * z[j];
+    for (std::size_t i = 0; i < end.size(); ++i) slope += end[i][k] * z[H.size() + i];
+    return slope * side > 0 ? 0 : side;
+  }
+
+  /// All entries change their sides at once; where that goes round in circles, the first one alone, which ends.
+  std::vector<Real> find() const {
+    constexpr int kTogether = 30, kMost = 2000;
+    Sides sides(H.size(), 0);
+    for (int round = 0; round < kMost; ++round) {
+      const std::vector<Real> z = at(sides);
+      bool optimal = true;
+      for (std::size_t k = 0; k < H.size() && (optimal || round < kTogether); ++k) {
+        const int next = better(z, k, sides[k]);
+        optimal = optimal && next == sides[k];
+        sides[k] = next;
+      }
+      if (optimal) return z;
+    }
+    throw std::runtime_error("no active set is optimal");
+  }
+};
+
 std::string exact(double value) {
   std::ostringstream text;
   text.precision(17);
@@ -125,7 +185,10 @@ std::string BoundedTracking::text() const {
          states + "]\n  inputs: [{name: u, unit: m, range: [" + exact(-limit) + ", " + exact(limit) +
          "]}]\n  A: [" + rows + "]\n  B: [" + columns + "]\n  C: [[" + outputs +
          "]]\nsampling_time: 1\nhorizon: " + std::to_string(horizon) + "\nweights: {Q: " + list(Q) +
-         ", R: [" + exact(R) + "]" + (terminal.empty() ? "" : ", terminal: " + list(terminal)) +
+         ", R: [" + exact(R) + "]" +
+         (ends_at_zero       ? ", terminal: equality"
+          : terminal.empty() ? ""
+                             : ", terminal: " + list(terminal)) +
          "}\nparameters:\n" + parameters;
 }
 
@@ -156,30 +219,9 @@ double BoundedTracking::law(const std::vector<double>& x) const {
     }
   }
   for (std::size_t k = 0; k < N; ++k) H[k][k] += real(R);
-  // Each input is free (0), or at its upper (1) or lower (2) bound.
-  std::size_t sets = 1;
-  for (std::size_t k = 0; k < N; ++k) sets *= 3;
-  for (std::size_t set = 0; set < sets; ++set) {
-    std::vector<int> side(N);
-    for (std::size_t k = 0, rest = set; k < N; ++k, rest /= 3) side[k] = static_cast<int>(rest % 3);
-    Rows system = H;
-    std::vector<Real> right;
-    for (std::size_t k = 0; k < N; ++k) {
-      right.push_back(-gradient[k]);
-      if (side[k] == 0) continue;
-      for (std::size_t j = 0; j < N; ++j) system[k][j] = real(j == k ? 1.0 : 0.0);
-      right[k] = real(side[k] == 1 ? limit : -limit);
-    }
-    const std::vector<Real> z = solved(system, right);
-    bool optimal = true;
-    for (std::size_t k = 0; k < N && optimal; ++k) {
-      Real slope = gradient[k];
-      for (std::size_t j = 0; j < N; ++j) slope += H[k][j] * z[j];
-      optimal = side[k] == 0 ? abs(z[k]) <= limit : side[k] == 1 ? slope <= 0 : slope >= 0;
-    }
-    if (optimal) return z[0].get_d();
-  }
-  throw std::runtime_error("no active set is optimal");
+  Rows end = zero(ends_at_zero ? nx : 0, N + 1);
+  if (ends_at_zero) end = state;
+  return BoundedOptimum{H, gradient, end, real(limit)}.find()[0].get_d();
 }
 
 }  // namespace polyfly

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <random>
+#include <set>
 #include <sstream>
 
 #include "mpc_core/mpc_problem.hpp"
@@ -22,10 +23,11 @@ using checker::BallMatrix;
 const mpq_class kTolerance(1, 1000000000000);
 
 /// Empty: the program is that of the problem. Else why it is not.
-std::string refusal(const checker::Matrices& program, const std::string& problem_text) {
+std::string refusal(const checker::Matrices& program, const std::string& problem_text,
+                    const std::set<std::size_t>& equalities = {}) {
   try {
     const checker::TrackingProblem problem = checker::readTrackingProblem(problem_text);
-    checker::matchProgram(program, problem, checker::expectedProgram(problem), kTolerance);
+    checker::matchProgram(program, equalities, problem, kTolerance);
   } catch (const checker::Refused& error) {
     return error.what();
   }
@@ -155,6 +157,74 @@ TEST(ProblemChecker, RefusesOtherConstraints) {
   }
 }
 
+/// A plant that is unstable enough for the prediction beside a feedback.
+std::string unstableProblem(unsigned seed, const std::string& terminal) {
+  std::string text = fullProblem(seed);
+  const auto change = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  change("time: discrete\n", "time: continuous\n");
+  change("horizon: 5\n" + text.substr(text.find("horizon: 5\n") + 11,
+                                      text.find("weights:") - text.find("horizon: 5\n") - 11),
+         "horizon: 7\n");
+  change("  A:\n    - [0, 1,", "  A:\n    - [12, 1,");
+  if (terminal == "equality") {
+    const std::size_t at = text.find("  terminal:\n");
+    text.replace(at, text.find("constraints:") - at, "  terminal: equality\n");
+  }
+  return text;
+}
+
+std::set<std::size_t> equalitiesOf(const ParametricProgram& program) {
+  return {program.equalities.begin(), program.equalities.end()};
+}
+
+TEST(ProblemChecker, ConfirmsThePredictionBesideAFeedback) {
+  for (unsigned seed = 1; seed < 8; seed += 2) {
+    for (const std::string terminal : {"given", "equality"}) {
+      const std::string text = unstableProblem(seed, terminal);
+      const ParametricProgram program = condense(parseProblem(text, "made"));
+      const checker::Matrices right = matricesOf(program);
+      const std::set<std::size_t> equalities = equalitiesOf(program);
+      EXPECT_EQ(equalities.size(), terminal == "equality" ? 3u : 0u);
+      ASSERT_EQ(refusal(right, text, equalities), "") << seed;
+      const checker::ProgramMatch match =
+          checker::matchProgram(right, equalities, checker::readTrackingProblem(text), kTolerance);
+      EXPECT_EQ(match.variables, checker::Variables::kBesideFeedback);
+      std::set<std::size_t> other = equalities;
+      if (other.erase(*other.begin()) == 0) other.insert(0);
+      EXPECT_NE(refusal(right, text, other), "");
+    }
+  }
+}
+
+TEST(ProblemChecker, RefusesAChangedPredictionBesideAFeedback) {
+  const std::string text = unstableProblem(1, "equality");
+  const ParametricProgram program = condense(parseProblem(text, "made"));
+  const checker::TrackingProblem problem = checker::readTrackingProblem(text);
+  const checker::ExpectedProgram expected =
+      checker::expectedProgram(problem, checker::Variables::kBesideFeedback);
+  const checker::Matrices right = matricesOf(program);
+  const std::set<std::size_t> equalities = equalitiesOf(program);
+  ASSERT_NO_THROW(checker::matchProgram(right, equalities, problem, expected, kTolerance));
+  std::mt19937 random(7);
+  for (const char* const name : {"H", "F", "A", "S", "b", "E", "C"}) {
+    for (int tried = 0; tried < 5; ++tried) {
+      const checker::Matrix& matrix = right.at(name);
+      const std::size_t k = random() % matrix.entries.size();
+      checker::Matrices changed = right;
+      mpq_class size(1);
+      for (const mpq_class& entry : matrix.entries) size = std::max(size, mpq_class(abs(entry)));
+      changed.at(name).entries[k] += size / 1000000000;
+      EXPECT_THROW(checker::matchProgram(changed, equalities, problem, expected, kTolerance),
+                   checker::Refused)
+          << name << " " << k;
+    }
+  }
+}
+
 /// Each nonzero number of the program matters, and so does each of the first rows.
 TEST(ProblemChecker, RefusesAChangedProgram) {
   const std::string text = madeProblem(7, 2);
@@ -202,7 +272,7 @@ TEST(ProblemChecker, RefusesAChangedProgramOfEachFile) {
     const checker::TrackingProblem problem = checker::readTrackingProblem(text);
     const checker::ExpectedProgram expected = checker::expectedProgram(problem);
     const checker::Matrices right = matricesOf(condense(parseProblem(text, path)));
-    ASSERT_NO_THROW(checker::matchProgram(right, problem, expected, kTolerance)) << name;
+    ASSERT_NO_THROW(checker::matchProgram(right, {}, problem, expected, kTolerance)) << name;
     for (std::size_t tried = 0; tried < 3 * right.size(); ++tried) {
       const auto& [key, matrix] = *std::next(right.begin(), static_cast<std::ptrdiff_t>(tried / 3));
       if (matrix.entries.empty()) continue;
@@ -215,7 +285,7 @@ TEST(ProblemChecker, RefusesAChangedProgramOfEachFile) {
       }
       checker::Matrices changed = right;
       changed.at(key).entries[k] += (size == 0 ? mpq_class(1) : size) / 1000000000;
-      EXPECT_THROW(checker::matchProgram(changed, problem, expected, kTolerance), checker::Refused)
+      EXPECT_THROW(checker::matchProgram(changed, {}, problem, expected, kTolerance), checker::Refused)
           << name << " " << key << " " << k;
     }
   }

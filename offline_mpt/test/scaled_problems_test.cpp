@@ -1,10 +1,12 @@
-// Tracking problems in bad scales, unstable plants and heavy terminal weights: the law is right on the numbers of the problem
-// file, or the problem is refused with its reason. The oracle condenses with 180 digits and tries all active sets.
+// Tracking problems in bad scales, unstable plants, long horizons and heavy terminal weights: the law is right on the numbers
+// of the problem file, or the problem is refused with its reason. The oracle condenses with 180 digits.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <random>
 #include <string>
 
@@ -17,12 +19,14 @@
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/verify.hpp"
 #include "polyfly_base/error.hpp"
+#include "reference_data.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kRight = 1e-6;  // of the input's range
 constexpr int kSamples = 300;
+constexpr int kLong = 60;  // horizon over which the oracle takes a second for one state
 
 BoundedTracking scalarPlant(double a, double b, int horizon, std::vector<double> terminal) {
   BoundedTracking plant;
@@ -56,7 +60,7 @@ std::string refusalOrRight(const BoundedTracking& plant) {
   EXPECT_TRUE(proof.passed()) << plant.text() << certifyText(proof);
   OnlineProgram online(program);
   std::mt19937 random(1);
-  for (int k = 0; k < 5; ++k) {
+  for (int k = 0; k < (plant.horizon > kLong ? 1 : 5); ++k) {
     std::vector<double> x;
     for (const double range : plant.ranges)
       x.push_back(range * std::uniform_real_distribution<double>(-1.0, 1.0)(random));
@@ -85,30 +89,120 @@ TEST(HeavyTerminalWeight, LeavesTheLawOfADeadBeatController) {
   }
 }
 
-// In doubles H itself is wrong.
-TEST(HeavyTerminalWeight, IsRefusedWhereRoundingOfTheCostDecides) {
-  const std::string refusal = refusalOrRight(scalarPlant(0.9, 0.37, 4, {1e14}));
-  EXPECT_NE(refusal.find("scaled.yaml: the condensed cost has the condition"), std::string::npos) << refusal;
-  EXPECT_NE(refusal.find("terminal weight"), std::string::npos) << refusal;
+/// Whether the variables are what the inputs add to a feedback: then no two stages share a term of the cost.
+bool isBesideFeedback(const ParametricProgram& program) {
+  const Eigen::MatrixXd diagonal = program.H.diagonal().asDiagonal();
+  return program.H == diagonal;
 }
 
-TEST(UnstablePlant, IsRightOverALongHorizonOrRefusedByIt) {
-  EXPECT_EQ(refusalOrRight(scalarPlant(3.0, 1.0, 7, {})), "");
-  EXPECT_EQ(refusalOrRight(scalarPlant(2.0, 1.0, 7, {})), "");
+ParametricProgram condensed(const BoundedTracking& plant) {
+  return condense(parseProblem(plant.text(), "long.yaml"));
+}
+
+// In the inputs themselves, doubles would not hold H.
+TEST(HeavyTerminalWeight, IsRightWhereRoundingOfTheInputsCostWouldDecide) {
+  const BoundedTracking plant = scalarPlant(0.9, 0.37, 4, {1e14});
+  EXPECT_TRUE(isBesideFeedback(condensed(plant)));
+  EXPECT_EQ(refusalOrRight(plant), "");
+}
+
+TEST(UnstablePlant, IsRightOverALongHorizonUnderAnyTerminalWeight) {
+  for (int decade = 0; decade <= 12; ++decade) {
+    const BoundedTracking plant = scalarPlant(2.0, 1.0, 20, {std::pow(10.0, decade)});
+    EXPECT_TRUE(isBesideFeedback(condensed(plant)));
+    EXPECT_EQ(refusalOrRight(plant), "") << decade;
+  }
+  for (const auto& [a, horizon] :
+       std::vector<std::pair<double, int>>{{3.0, 7}, {2.0, 20}, {2.0, 60}, {1.1, 150}})
+    EXPECT_EQ(refusalOrRight(scalarPlant(a, 1.0, horizon, {})), "") << a;
+}
+
+/// An inverted pendulum over 5 s, held for 0.1 s each.
+BoundedTracking pendulum() {
+  const double w = std::sqrt(19.62), b = 4.0, period = 0.1, c = std::cosh(w * period),
+               s = std::sinh(w * period);
+  BoundedTracking plant;
+  plant.A = {{c, s / w}, {w * s, c}};
+  plant.B = {b * (c - 1.0) / (w * w), b * s / w};
+  plant.Q = {10.0, 1.0};
+  plant.R = 0.1;
+  plant.horizon = 50;
+  plant.limit = 3.0;
+  plant.ranges = {0.3, 1.0};
+  return plant;
+}
+
+/// Four integrators.
+BoundedTracking integrators() {
+  const double h = 0.1;
+  BoundedTracking plant;
+  plant.A = {{1.0, h, h * h / 2.0, h * h * h / 6.0},
+             {0.0, 1.0, h, h * h / 2.0},
+             {0.0, 0.0, 1.0, h},
+             {0.0, 0.0, 0.0, 1.0}};
+  plant.B = {h * h * h * h / 24.0, h * h * h / 6.0, h * h / 2.0, h};
+  plant.Q = {1.0, 0.1, 0.1, 0.1};
+  plant.R = 0.1;
+  plant.horizon = 50;
+  plant.limit = 5.0;
+  plant.ranges = {0.3, 0.3, 0.3, 0.3};
+  return plant;
+}
+
+TEST(UnstablePlant, IsRightWithSeveralStates) {
+  EXPECT_TRUE(isBesideFeedback(condensed(pendulum())));
+  EXPECT_EQ(refusalOrRight(pendulum()), "");
+  EXPECT_EQ(refusalOrRight(integrators()), "");
+  for (const double weight : {1.0, 1e6, 1e12}) {
+    BoundedTracking plant = pendulum();
+    plant.terminal = {weight, weight};
+    EXPECT_EQ(refusalOrRight(plant), "") << weight;
+  }
+}
+
+TEST(TerminalEquality, IsRightForStableAndUnstablePlants) {
+  for (BoundedTracking plant : {scalarPlant(0.9, 0.37, 4, {}), scalarPlant(2.0, 1.0, 20, {}), pendulum()}) {
+    plant.ends_at_zero = true;
+    EXPECT_EQ(condensed(plant).equalities.size(), plant.A.size());
+    EXPECT_EQ(refusalOrRight(plant), "");
+  }
+}
+
+// By hand: x+ = x + u, so the two inputs add up to -x, and u_0^2 + (x + u_0)^2 + u_1^2 is least at u_0 = -2/3 x.
+TEST(TerminalEquality, IsTheLimitOfAHeavyWeight) {
+  BoundedTracking plant = scalarPlant(1.0, 1.0, 2, {});
+  plant.ends_at_zero = true;
+  EXPECT_NEAR(plant.law({1.0}), -2.0 / 3.0, 1e-15);
+  EXPECT_EQ(refusalOrRight(plant), "");
+}
+
+TEST(TerminalEquality, NeedsInputsThatReachEveryState) {
+  BoundedTracking plant = integrators();
+  plant.ends_at_zero = true;
+  plant.horizon = 3;
+  EXPECT_EQ(refusalOrRight(plant),
+            "scaled.yaml: weights.terminal: equality needs inputs that reach every state within the horizon");
+}
+
+// Within a block the inputs are the same, whatever a feedback says.
+TEST(UnstablePlant, IsRefusedWithBlockedMovesOverALongHorizon) {
   BoundedTracking plant = scalarPlant(2.0, 1.0, 60, {});
+  std::string text = plant.text();
+  text += "moves: [1, 59]\n";
   try {
-    condense(parseProblem(plant.text(), "long.yaml"));
+    condense(parseProblem(text, "blocked.yaml"));
     FAIL() << "not refused";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("horizon of 60"), std::string::npos) << error.what();
+    const std::string message = error.what();
+    EXPECT_NE(message.find("horizon of 60"), std::string::npos) << message;
+    EXPECT_NE(message.find("without blocked moves"), std::string::npos) << message;
   }
 }
 
 // Near zero the law is that of the Riccati equation, whose solution is (a^2 + sqrt(a^4 + 4)) / 2 for weights and b of 1.
 TEST(UnstablePlant, HasTheGainOfTheScalarRiccatiEquation) {
-  for (const auto& [a, horizon] : std::vector<std::pair<double, int>>{{3.0, 10}, {2.0, 20}, {1.1, 60}}) {
-    const BoundedTracking plant = scalarPlant(a, 1.0, horizon, {});
-    const ParametricProgram program = condense(parseProblem(plant.text(), "long.yaml"));
+  for (const auto& [a, horizon] : std::vector<std::pair<double, int>>{{3.0, 10}, {2.0, 200}, {1.1, 60}}) {
+    const ParametricProgram program = condensed(scalarPlant(a, 1.0, horizon, {}));
     const double P = 0.5 * (a * a + std::sqrt(a * a * a * a + 4.0)), K = a * P / (1.0 + P), x = 0.01;
     const MapInMemory map(encode(program, explore(program)));
     double u = 0.0;
@@ -117,6 +211,29 @@ TEST(UnstablePlant, HasTheGainOfTheScalarRiccatiEquation) {
     OnlineProgram online(program);
     ASSERT_EQ(online.solve(&x, &u), QpStatus::kOptimal);
     EXPECT_NEAR(u, -K * x, kRight * 4.0) << a;
+  }
+}
+
+// Right gains of the infinite horizon: README.md beside the files.
+TEST(LongHorizons, OfTheReferenceDataHaveTheirGains) {
+  const std::map<std::string, std::vector<double>> gains{
+      {"pend_N50", {9.8414119005975994, 2.4289010280260496}},
+      {"chain4_N50", {2.6171635783349428, 5.5745275471990939, 5.8059807775255359, 3.4315720123504132}},
+      {"a11_N150", {0.70342792885585207}}};
+  for (const auto& [name, K] : gains) {
+    const std::string path = referenceData("horizons/" + name + ".yaml");
+    if (path.empty()) GTEST_SKIP() << "the reference data are absent";
+    const ParametricProgram program = loadProgram(path);
+    const MapInMemory map(encode(program, explore(program)));
+    OnlineProgram online(program);
+    const std::vector<double> x(K.size(), 0.01);
+    const double expected = -0.01 * std::accumulate(K.begin(), K.end(), 0.0);
+    const double range = program.inputs[0].upper - program.inputs[0].lower;
+    double u = 0.0;
+    ASSERT_EQ(map.map().evaluate(x.data(), &u).status, LookupStatus::kInside) << name;
+    EXPECT_NEAR(u, expected, kRight * range) << name;
+    ASSERT_EQ(online.solve(x.data(), &u), QpStatus::kOptimal) << name;
+    EXPECT_NEAR(u, expected, kRight * range) << name;
   }
 }
 

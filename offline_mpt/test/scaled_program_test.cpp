@@ -1,5 +1,5 @@
 // The units of rows, variables, parameters, outputs and cost change nothing but the units of the answer.
-#include "program/scaled_program.hpp"
+#include "mpc_core/scaled_program.hpp"
 
 #include <gtest/gtest.h>
 

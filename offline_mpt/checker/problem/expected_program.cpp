@@ -85,8 +85,9 @@ Affine operator*(const BallMatrix& M, const Affine& a) { return {M * a.on_z, M *
 
 class Condensing {
  public:
-  explicit Condensing(const TrackingProblem& problem)
+  Condensing(const TrackingProblem& problem, Variables variables)
       : problem_(problem),
+        variables_(variables),
         system_(discretised(problem)),
         given_(givenBy(problem, system_)),
         nu_(problem.inputs.size()),
@@ -97,7 +98,15 @@ class Condensing {
         on_theta_(n_, p_ + 1) {}
 
   ExpectedProgram run() {
-    predict();
+    BallMatrix P;
+    if (problem_.P) {
+      P = *problem_.P;
+    } else {
+      const TerminalWeight terminal = terminalWeight(system_, problem_.Q, problem_.R);
+      P = terminal.P;
+      result_.riccati_residual = terminal.residual;
+    }
+    predict(P);
     const std::size_t N = inputs_of_stage_.size();
     for (std::size_t k = 0; k < N; ++k) {
       addCost(errors_[k], problem_.Q);
@@ -105,20 +114,14 @@ class Condensing {
       addCost(inputs_of_stage_[k] - (k == 0 ? before() : inputs_of_stage_[k - 1]), problem_.R_delta);
       addRanges(errors_[k + 1], problem_.states);
     }
-    if (problem_.P) {
-      addCost(errors_[N], *problem_.P);
-    } else {
-      const TerminalWeight terminal = terminalWeight(system_, problem_.Q, problem_.R);
-      addCost(errors_[N], terminal.P);
-      result_.riccati_residual = terminal.residual;
-    }
+    addCost(errors_[N], P);
     for (std::size_t block = 0; block < problem_.blocks.size(); ++block) addInput(block);
     addTerminalSet();
     for (const TrackingProblem::Constraint& constraint : problem_.constraints) addConstraint(constraint);
     result_.H = on_z_ + on_z_;
     result_.F = on_theta_ + on_theta_;
     for (const auto& [place, weight] : linear_) result_.F.at(place, p_) += Ball(mpq_class(weight));
-    result_.C = given_.input_reference;
+    result_.C = given_.input_reference + inputs_of_stage_.front().on_theta;
     return result_;
   }
 
@@ -132,17 +135,27 @@ class Condensing {
     return count;
   }
 
-  void predict() {
+  void predict(const BallMatrix& P) {
+    std::vector<BallMatrix> gains;
+    if (variables_ == Variables::kBesideFeedback) gains = feedbackGains(problem_, system_, P);
     errors_.push_back({BallMatrix(system_.A.rows(), n_), given_.error});
     const Affine drift{BallMatrix(system_.A.rows(), n_), given_.drift};
     for (std::size_t block = 0; block < problem_.blocks.size(); ++block) {
       Affine input{BallMatrix(nu_, n_), BallMatrix(nu_, p_ + 1)};
       input.on_z.setBlock(0, block * nu_, BallMatrix::identity(nu_));
       for (std::size_t k = 0; k < problem_.blocks[block]; ++k) {
+        if (!gains.empty()) input = input - fedBack(gains[block]);
         inputs_of_stage_.push_back(input);
         errors_.push_back(system_.A * errors_.back() + system_.B * input + drift);
       }
     }
+  }
+
+  /// K (e_k, u~_{k-1}) of the next stage.
+  Affine fedBack(const BallMatrix& K) const {
+    const std::size_t nx = system_.A.rows();
+    const Affine last = inputs_of_stage_.empty() ? before() : inputs_of_stage_.back();
+    return K.block(0, 0, nu_, nx) * errors_.back() + K.block(0, nx, nu_, nu_) * last;
   }
 
   Affine before() const { return {BallMatrix(nu_, n_), given_.before}; }
@@ -187,6 +200,8 @@ class Condensing {
       ExpectedRow* const row = addRow(problem_.T * errors_.back(), i, 1, 0.0);
       row->bound += problem_.t.at(i, 0);
     }
+    for (std::size_t i = 0; problem_.ends_at_reference && i < system_.A.rows(); ++i)
+      addRow(errors_.back(), i, 1, 0.0)->is_equality = true;
   }
 
   /// Both sides of a soft bound share a slack, which is at least 0.
@@ -224,6 +239,7 @@ class Condensing {
   }
 
   const TrackingProblem& problem_;
+  const Variables variables_;
   const DiscreteSystem system_;
   const Given given_;
   /// Entries of z: the inputs of the blocks, then slacks; and of theta.
@@ -239,6 +255,11 @@ class Condensing {
 
 }  // namespace
 
-ExpectedProgram expectedProgram(const TrackingProblem& problem) { return Condensing(problem).run(); }
+ExpectedProgram expectedProgram(const TrackingProblem& problem, Variables variables) {
+  if (variables == Variables::kBesideFeedback)
+    for (const std::size_t length : problem.blocks)
+      require(length == 1, "the inputs of a block follow no feedback");
+  return Condensing(problem, variables).run();
+}
 
 }  // namespace checker

@@ -66,7 +66,7 @@ void matchFilter(const Matrices& program, const FilterProblem& problem) {
   std::vector<std::pair<double, double>> ranges = problem.states;
   if (problem.hasDelay()) ranges.insert(ranges.end(), problem.inputs.begin(), problem.inputs.end());
   ranges.insert(ranges.end(), problem.wishes.begin(), problem.wishes.end());
-  matchProgram(program, ranges, FilterProgram(problem).run(), 0);
+  matchProgram(program, {}, ranges, FilterProgram(problem).run(), 0);
 }
 
 }  // namespace checker

@@ -26,6 +26,7 @@ TerminalWeight terminalWeight(const DiscreteSystem& system, const BallMatrix& Q,
 struct ExpectedRow {
   std::vector<Ball> on_z, on_theta;
   Ball bound;
+  bool is_equality = false;
 };
 
 /// Eq. 4 and 38 as a program in z = (u~ of each block, slacks) and theta. F and C have the constant part, f and c, as
@@ -36,6 +37,15 @@ struct ExpectedProgram {
   /// 0 where P is given.
   mpq_class riccati_residual;
 };
-ExpectedProgram expectedProgram(const TrackingProblem& problem);
+enum class Variables {
+  kInputs,
+  /// v_k = u~_k + K_k (e_k, u~_{k-1}), with the gains of the problem's own Riccati recursion. Any gains give the same problem.
+  kBesideFeedback,
+};
+ExpectedProgram expectedProgram(const TrackingProblem& problem, Variables variables = Variables::kInputs);
+
+/// K_k of each stage, to about 100 digits; they have no errors of their own.
+std::vector<BallMatrix> feedbackGains(const TrackingProblem& problem, const DiscreteSystem& system,
+                                      const BallMatrix& terminal_weight);
 
 }  // namespace checker

@@ -29,10 +29,17 @@ Fraction difference(const std::vector<Part>& parts) {
   return greatest;
 }
 
+/// A row of the program.
+struct ActualRow {
+  std::vector<Part> parts;
+  bool is_equality = false;
+};
+
 class Match {
  public:
-  Match(const Matrices& program, const Fraction& tolerance, RoundingEffect* effect)
-      : program_(program), tolerance_(tolerance), effect_(effect) {}
+  Match(const Matrices& program, const std::set<std::size_t>& equalities, const Fraction& tolerance,
+        RoundingEffect* effect)
+      : program_(program), equalities_(equalities), tolerance_(tolerance), effect_(effect) {}
 
   /// `names` are matrices side by side: parts of each row, or `together` one part.
   void matrix(const std::vector<std::string>& names, const BallMatrix& expected, bool together = false) {
@@ -61,22 +68,22 @@ class Match {
 
   /// Each expected row is exactly one row of the program, and the other way round.
   void rows(const std::vector<ExpectedRow>& expected) {
-    std::vector<std::vector<Part>> open = actualRows();
+    std::vector<ActualRow> open = actualRows();
     require(open.size() == expected.size(), "the program has " + std::to_string(open.size()) +
                                                 " rows, the problem " + std::to_string(expected.size()));
     for (std::size_t k = 0; k < expected.size(); ++k) {
       Fraction found;
-      const auto is_it = [&](std::vector<Part>& row) {
-        row[0].expected = expected[k].on_z;
-        row[1].expected = expected[k].on_theta;
-        row[2].expected = {expected[k].bound};
-        found = difference(row);
-        return found <= tolerance_;
+      const auto is_it = [&](ActualRow& row) {
+        row.parts[0].expected = expected[k].on_z;
+        row.parts[1].expected = expected[k].on_theta;
+        row.parts[2].expected = {expected[k].bound};
+        found = difference(row.parts);
+        return row.is_equality == expected[k].is_equality && found <= tolerance_;
       };
       const auto at = std::find_if(open.begin(), open.end(), is_it);
       require(at != open.end(), "row " + std::to_string(k) + " of the problem is none of the program");
       greatest_ = std::max(greatest_, found);
-      if (effect_ != nullptr) addEffect(*at);
+      if (effect_ != nullptr) addEffect(at->parts);
       open.erase(at);
     }
   }
@@ -109,32 +116,44 @@ class Match {
   }
 
   /// A z <= S theta + b, and those without z as A_theta theta <= b_theta.
-  std::vector<std::vector<Part>> actualRows() const {
-    std::vector<std::vector<Part>> result;
+  std::vector<ActualRow> actualRows() const {
+    std::vector<ActualRow> result;
     const std::size_t n = program_.at("A").columns;
     for (std::size_t i = 0; i < program_.at("A").rows; ++i)
-      result.push_back({{rowOf("A", i, 1), {}}, {rowOf("S", i, 1), {}}, {rowOf("b", i, 1), {}}});
+      result.push_back({{{rowOf("A", i, 1), {}}, {rowOf("S", i, 1), {}}, {rowOf("b", i, 1), {}}},
+                        equalities_.count(i) > 0});
     for (std::size_t i = 0; i < program_.at("A_theta").rows; ++i)
-      result.push_back({{Vector(n), {}}, {rowOf("A_theta", i, -1), {}}, {rowOf("b_theta", i, 1), {}}});
+      result.push_back(
+          {{{Vector(n), {}}, {rowOf("A_theta", i, -1), {}}, {rowOf("b_theta", i, 1), {}}}, false});
     return result;
   }
 
   const Matrices& program_;
+  const std::set<std::size_t>& equalities_;
   const Fraction tolerance_;
   RoundingEffect* const effect_;
   Fraction greatest_;
 };
 
+/// Whether no two stages share a term of the cost: only then may the variables be those beside a feedback.
+bool isBlockDiagonal(const Matrix& H, std::size_t inputs, std::size_t size) {
+  for (std::size_t i = 0; i < std::min(inputs, H.rows); ++i) {
+    for (std::size_t j = 0; j < std::min(inputs, H.columns); ++j)
+      if (i / size != j / size && H.at(i, j) != 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
-mpq_class matchProgram(const Matrices& program, const Ranges& ranges, const ExpectedProgram& expected,
-                       const mpq_class& tolerance, RoundingEffect* effect) {
+mpq_class matchProgram(const Matrices& program, const std::set<std::size_t>& equalities, const Ranges& ranges,
+                       const ExpectedProgram& expected, const mpq_class& tolerance, RoundingEffect* effect) {
   const std::size_t n = expected.H.rows(), q = expected.C.rows();
   requireSizes(program, n, program.at("A").rows, ranges.size(), q);
   for (std::size_t j = 0; j < ranges.size(); ++j)
     require(program.at("box").at(j, 0) == ranges[j].first && program.at("box").at(j, 1) == ranges[j].second,
             "the range of parameter " + std::to_string(j) + " is not that of the problem");
-  Match match(program, tolerance, effect);
+  Match match(program, equalities, tolerance, effect);
   match.matrix({"H"}, expected.H);
   match.matrix({"F", "f"}, expected.F);
   match.rows(expected.rows);
@@ -146,22 +165,39 @@ mpq_class matchProgram(const Matrices& program, const Ranges& ranges, const Expe
   return match.greatest();
 }
 
-ProgramMatch matchProgram(const Matrices& program, const TrackingProblem& problem,
-                          const ExpectedProgram& expected, const mpq_class& tolerance) {
+ProgramMatch matchProgram(const Matrices& program, const std::set<std::size_t>& equalities,
+                          const TrackingProblem& problem, const ExpectedProgram& expected,
+                          const mpq_class& tolerance) {
   Ranges ranges, inputs;
   for (const TrackingProblem::Parameter& parameter : problem.parameters)
     if (!parameter.fixed) ranges.emplace_back(parameter.range.lower, parameter.range.upper);
   for (const TrackingProblem::Range& input : problem.inputs) inputs.emplace_back(input.lower, input.upper);
   requireSizes(program, expected.H.rows(), program.at("A").rows, ranges.size(), expected.C.rows());
-  RoundingEffect effect(program, ranges, inputs);
+  RoundingEffect effect(program, ranges, inputs, problem.blocks.size() * inputs.size());
   ProgramMatch match;
-  match.difference = matchProgram(program, ranges, expected, tolerance, &effect);
+  match.riccati_residual = expected.riccati_residual;
+  match.difference = matchProgram(program, equalities, ranges, expected, tolerance, &effect);
   effect.addCost(expected);
   match.effect = effect.ofInputs(expected.C);
   char share[32];
   std::snprintf(share, sizeof share, "%.3g", match.effect.get_d());
   require(match.effect <= kGreatestEffect,
           std::string("rounding of the program may change an input by ") + share + " of its range");
+  return match;
+}
+
+ProgramMatch matchProgram(const Matrices& program, const std::set<std::size_t>& equalities,
+                          const TrackingProblem& problem, const mpq_class& tolerance) {
+  const std::size_t nu = problem.inputs.size();
+  const bool may_feed_back = isBlockDiagonal(program.at("H"), problem.blocks.size() * nu, nu);
+  try {
+    return matchProgram(program, equalities, problem, expectedProgram(problem), tolerance);
+  } catch (const Refused&) {
+    if (!may_feed_back) throw;
+  }
+  ProgramMatch match = matchProgram(program, equalities, problem,
+                                    expectedProgram(problem, Variables::kBesideFeedback), tolerance);
+  match.variables = Variables::kBesideFeedback;
   return match;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -15,14 +16,22 @@ struct ProgramMatch {
   mpq_class difference;
   /// What the differences may change in an input, as a share of its range.
   mpq_class effect;
+  /// ExpectedProgram::riccati_residual
+  mpq_class riccati_residual;
+  Variables variables = Variables::kInputs;
 };
 
 /// Shows that the program of a certificate is the expected one, and that its parameters have these ranges: each number
 /// within `tolerance` of the greatest entry of its row. Throws Refused.
-mpq_class matchProgram(const Matrices& program, const Ranges& ranges, const ExpectedProgram& expected,
-                       const mpq_class& tolerance, RoundingEffect* effect = nullptr);
-/// The same, and that the differences change no input by more than a millionth of its range.
-ProgramMatch matchProgram(const Matrices& program, const TrackingProblem& problem,
-                          const ExpectedProgram& expected, const mpq_class& tolerance);
+mpq_class matchProgram(const Matrices& program, const std::set<std::size_t>& equalities, const Ranges& ranges,
+                       const ExpectedProgram& expected, const mpq_class& tolerance,
+                       RoundingEffect* effect = nullptr);
+/// The same of a tracking problem, and that the differences change no input by more than a millionth of its range.
+ProgramMatch matchProgram(const Matrices& program, const std::set<std::size_t>& equalities,
+                          const TrackingProblem& problem, const ExpectedProgram& expected,
+                          const mpq_class& tolerance);
+/// The same in the inputs, or else beside a feedback.
+ProgramMatch matchProgram(const Matrices& program, const std::set<std::size_t>& equalities,
+                          const TrackingProblem& problem, const mpq_class& tolerance);
 
 }  // namespace checker

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/text.hpp"
 #include "problem/optimal_control.hpp"
 
@@ -44,6 +46,29 @@ TerminalWeight terminalWeight(const DiscreteSystem& system, const BallMatrix& Q,
   require(isStable(At - system.B * K), "the solution of the Riccati equation does not stabilise");
   const BallMatrix residual = At.transposed() * P * At - At.transposed() * B_P.transposed() * K + Q - P;
   return {P, residual.greatest()};
+}
+
+std::vector<BallMatrix> feedbackGains(const TrackingProblem& problem, const DiscreteSystem& system,
+                                      const BallMatrix& terminal_weight) {
+  const std::size_t nx = system.A.rows(), nu = system.B.columns();
+  BallMatrix A(nx + nu, nx + nu), B(nx + nu, nu), P(nx + nu, nx + nu), Q(nx + nu, nx + nu),
+      cross(nu, nx + nu);
+  A.setBlock(0, 0, system.A);
+  B.setBlock(0, 0, system.B);
+  B.setBlock(nx, 0, BallMatrix::identity(nu));
+  P.setBlock(0, 0, terminal_weight);
+  // The cost of a change, (u~_k - u~_{k-1})'R_delta (u~_k - u~_{k-1}).
+  Q.setBlock(0, 0, problem.Q);
+  Q.setBlock(nx, nx, problem.R_delta);
+  cross.setBlock(0, nx, BallMatrix(nu, nu) - problem.R_delta);
+  std::vector<BallMatrix> gains;
+  for (std::size_t k = 0; k < problem.blocks.size(); ++k) {
+    const BallMatrix right = B.transposed() * P * A + cross;
+    gains.push_back(solved(problem.R + problem.R_delta + B.transposed() * P * B, right).middle());
+    P = (Q + A.transposed() * P * A - right.transposed() * gains.back()).middle();
+  }
+  std::reverse(gains.begin(), gains.end());
+  return gains;
 }
 
 }  // namespace checker

@@ -33,8 +33,9 @@ BallMatrix besides(const Matrix& M, const Matrix& v) {
 
 }  // namespace
 
-RoundingEffect::RoundingEffect(const Matrices& program, const Ranges& parameters, const Ranges& inputs)
-    : program_(program), inputs_(inputs), n_(program.at("H").rows), p_(parameters.size()) {
+RoundingEffect::RoundingEffect(const Matrices& program, const Ranges& parameters, const Ranges& inputs,
+                               std::size_t moves)
+    : program_(program), inputs_(inputs), moves_(moves), n_(program.at("H").rows), p_(parameters.size()) {
   inverse_ = solved(ballsOf(program.at("H")), BallMatrix::identity(n_));
   for (const auto& [lower, upper] : parameters)
     theta_.emplace_back(std::max(std::abs(lower), std::abs(upper)));
@@ -64,8 +65,11 @@ void RoundingEffect::boundVariables() {
     std::optional<Fraction>& side = (A.at(i, at) > 0 ? above : below)[at];
     if (!side || bound < *side) side = bound;
   }
-  for (std::size_t j = 0; j < n_; ++j)
-    z_.push_back(above[j] && below[j] ? std::max(*above[j], *below[j]) : free_[j]);
+  for (std::size_t j = 0; j < n_; ++j) {
+    const auto& [lower, upper] = inputs_[j % inputs_.size()];
+    const Fraction range = j < moves_ && std::isfinite(upper - lower) ? Fraction(upper - lower) : Fraction();
+    z_.push_back(above[j] && below[j] ? std::max(*above[j], *below[j]) : std::max(free_[j], range));
+  }
 }
 
 /// In the norm of H^-1.

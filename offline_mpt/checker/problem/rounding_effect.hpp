@@ -15,8 +15,9 @@ using Ranges = std::vector<std::pair<double, double>>;
 /// takes it along by at most its own distance in that norm; of several rows, the furthest counts.
 class RoundingEffect {
  public:
-  /// `parameters` and `inputs` are ranges. Throws Refused where H may be singular.
-  RoundingEffect(const Matrices& program, const Ranges& parameters, const Ranges& inputs);
+  /// `parameters` and `inputs` are ranges. The first `moves` entries of z are inputs, stage by stage, or what they add to a
+  /// feedback. Throws Refused where H may be singular.
+  RoundingEffect(const Matrices& program, const Ranges& parameters, const Ranges& inputs, std::size_t moves);
 
   /// Differences of H and F, which has f as its last column.
   void addCost(const ExpectedProgram& expected);
@@ -32,11 +33,12 @@ class RoundingEffect {
 
   const Matrices& program_;
   const Ranges inputs_;
-  std::size_t n_, p_;
+  std::size_t moves_, n_, p_;
   BallMatrix inverse_;
   /// Greatest |theta_j|, and 1.
   Vector theta_;
-  /// Greatest |z_j|, by bounds of z_j alone, else of the unconstrained minimiser.
+  /// Greatest |z_j|, by bounds of z_j alone, else of the unconstrained minimiser; what an input adds to a feedback is also
+  /// counted with the input's whole range.
   Vector z_;
   /// Greatest |z_j| of the unconstrained minimiser.
   Vector free_;

@@ -141,7 +141,7 @@ class Reader {
     if (terminal && terminal.IsSequence())
       problem_.P = weightOf(terminal, nx);
     else
-      choiceOf(terminal, {"riccati"});
+      problem_.ends_at_reference = choiceOf(terminal, {"riccati", "equality"}) == 1;
   }
 
   void readTerminalSet(const YAML::Node& node) {

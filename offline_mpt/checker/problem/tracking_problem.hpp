@@ -52,6 +52,8 @@ struct TrackingProblem {
   BallMatrix Q, R, R_delta;
   /// None: that of the Riccati equation.
   std::optional<BallMatrix> P;
+  /// x_N = x_ref
+  bool ends_at_reference = false;
   /// T e_N <= t
   BallMatrix T, t;
   mpq_class sampling_time;

@@ -5,11 +5,11 @@
 #include "certify/implied.hpp"
 #include "certify/tolerances.hpp"
 #include "exact_kkt/exact_equalities.hpp"
+#include "mpc_core/scaled_program.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
-#include "program/scaled_program.hpp"
 #include "program/slater_point.hpp"
 
 namespace polyfly {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "mpc_core/decompositions.hpp"
+#include "mpc_core/scaled_program.hpp"
 #include "polyfly_base/error.hpp"
-#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {

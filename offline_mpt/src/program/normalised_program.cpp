@@ -6,11 +6,11 @@
 
 #include "arithmetic/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
+#include "mpc_core/scaled_program.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
-#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "mpc_core/dense_qp.hpp"
+#include "mpc_core/scaled_program.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
-#include "program/scaled_program.hpp"
 #include "program/tolerances.hpp"
 
 namespace polyfly {

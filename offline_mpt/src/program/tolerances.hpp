@@ -52,9 +52,6 @@ constexpr double kBlockingShare = 1e-4;
 /// Two rows are opposite if their entries cancel up to this.
 constexpr double kOppositeRows = 1e-14;
 
-/// Weight by which the size of a variable that no bound gives one is that of its unit.
-constexpr double kFreeSize = 1e-9;
-
 /// A shorter row has no normal.
 constexpr double kNoNormal = 1e-13;
 

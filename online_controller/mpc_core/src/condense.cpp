@@ -1,10 +1,12 @@
 #include <Eigen/Core>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "condense_parts.hpp"
+#include "mpc_core/decompositions.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -14,77 +16,83 @@ namespace {
 // From so many free moves on, a parameter of what drifts is told of.
 constexpr std::size_t kManyMoves = 10;
 
-Prediction predict(const MpcProblem& problem, const WideModel& model, const Selectors& selectors) {
-  const Eigen::Index nx = model.A.rows();
-  const Eigen::Index nu = model.B.cols();
-  const std::vector<int> blocks = blockLengths(problem);
-  const bool drifts = !rounded(selectors.drift).isZero(0.0);
-  Prediction prediction;
-  WideMatrix state = WideMatrix::Identity(nx, nx);
-  WideMatrix input = WideMatrix::Zero(nx, static_cast<Eigen::Index>(blocks.size()) * nu);
-  WideMatrix drift = WideMatrix::Zero(nx, selectors.drift.cols());
-  for (std::size_t block = 0; block < blocks.size(); ++block) {
-    const Eigen::Index before = static_cast<Eigen::Index>(block) * nu;
-    auto of_block = input.middleCols(before, nu);
-    for (int k = 0; k < blocks[block]; ++k) {
-      state = (model.A * state).eval();
-      input.leftCols(before + nu) = (model.A * input.leftCols(before + nu)).eval();
-      of_block += model.B;
-      prediction.state.push_back(state);
-      prediction.input.push_back(input);
-      if (!drifts) continue;
-      drift = (model.A * drift + selectors.drift).eval();
-      prediction.drift.push_back(drift);
-    }
-  }
-  return prediction;
+// A greater condition of H, with a diagonal of ones, would cost the law more than half of a double's digits.
+constexpr double kGreatCondition = 1e8;
+
+/// Of the matrix in units in which its diagonal is 1; infinite where doubles do not tell that it is definite.
+double scaledCondition(const WideMatrix& matrix) {
+  constexpr double kBeyond = std::numeric_limits<double>::infinity();
+  const Eigen::MatrixXd numbers = rounded(matrix);
+  if (!numbers.allFinite() || !(numbers.diagonal().minCoeff() > 0.0)) return kBeyond;
+  const Eigen::VectorXd units = numbers.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd values = symmetricEigenvalues(units.asDiagonal() * numbers * units.asDiagonal());
+  const double least = values(0), greatest = values(values.size() - 1);
+  return least > 0.0 ? greatest / least : kBeyond;
 }
 
-WideMatrix wideTerminalWeight(const MpcProblem& problem, const WideModel& model) {
-  return problem.P.size() > 0 ? wide(problem.P)
-                              : wideRiccati(model.A, model.B, wide(problem.Q), wide(problem.R));
-}
-
-/// 1/2 z'Hz + (F theta)'z equals Eq. 4 but for terms without z; hence the factors 2.
-void setCost(const MpcProblem& problem, const WideModel& model, const Prediction& prediction,
-             const Selectors& selectors, WideProgram* numbers) {
-  const int N = problem.horizon;
+/// Half of the cost of the inputs' own changes and sizes.
+void addInputCost(const MpcProblem& problem, WideMatrix* H) {
+  const DoubleDouble two = 2.0;
+  const WideMatrix R = wide(problem.R) * two, R_delta = wide(problem.R_delta) * two;
   const std::vector<int> blocks = blockLengths(problem);
   const Eigen::Index nu = problem.inputCount();
-  const Eigen::Index n = static_cast<Eigen::Index>(blocks.size()) * nu;
-  const DoubleDouble two = 2.0;
-  const WideMatrix P = wideTerminalWeight(problem, model) * two;
-  const WideMatrix Q = wide(problem.Q) * two, R = wide(problem.R) * two,
-                   R_delta = wide(problem.R_delta) * two;
-  numbers->H = WideMatrix::Zero(n, n);
-  WideMatrix F_error = WideMatrix::Zero(n, problem.stateCount());
-  WideMatrix F_drift = WideMatrix::Zero(n, selectors.drift.cols());
-  Eigen::Index moved = 0;  // inputs that have acted so far
-  int k = 0;
-  for (const int length : blocks) {
-    moved += nu;
-    for (const int last = k + length; k < last; ++k) {
-      const auto stage = static_cast<std::size_t>(k);
-      const WideMatrix input = prediction.input[stage].leftCols(moved);
-      const WideMatrix weighted = (k + 1 < N ? Q : P) * input;
-      numbers->H.topLeftCorner(moved, moved) += input.transpose() * weighted;
-      F_error.topRows(moved) += weighted.transpose() * prediction.state[stage];
-      if (!prediction.drift.empty()) F_drift.topRows(moved) += weighted.transpose() * prediction.drift[stage];
-    }
-  }
   for (std::size_t block = 0; block < blocks.size(); ++block) {
     const Eigen::Index i = static_cast<Eigen::Index>(block) * nu;
-    numbers->H.block(i, i, nu, nu) += R * DoubleDouble(blocks[block]) + R_delta;
+    H->block(i, i, nu, nu) += R * DoubleDouble(blocks[block]) + R_delta;
     if (block + 1 == blocks.size()) continue;
-    numbers->H.block(i, i, nu, nu) += R_delta;
-    numbers->H.block(i, i + nu, nu, nu) -= R_delta;
-    numbers->H.block(i + nu, i, nu, nu) -= R_delta;
+    H->block(i, i, nu, nu) += R_delta;
+    H->block(i, i + nu, nu, nu) -= R_delta;
+    H->block(i + nu, i, nu, nu) -= R_delta;
   }
+}
+
+/// 1/2 z'Hz + (F theta)'z equals Eq. 4 but for terms without z; hence the factors 2. z are the inputs.
+void setCost(const MpcProblem& problem, const WideModel& model, const Prediction& prediction,
+             const Selectors& selectors, WideProgram* numbers) {
+  const DoubleDouble two = 2.0;
+  const WideMatrix P = wideTerminalWeight(problem, model) * two, Q = wide(problem.Q) * two;
+  const Eigen::Index nu = problem.inputCount(), n = prediction.moves.front().on_z.cols();
+  numbers->H = WideMatrix::Zero(n, n);
+  numbers->F = WideMatrix::Zero(n, selectors.error.cols());
+  Eigen::Index moved = 0;  // inputs that have acted so far
+  int k = 0;
+  for (const int length : blockLengths(problem)) {
+    moved += nu;
+    for (const int last = k + length; k < last;) {
+      const Affine& error = prediction.errors[static_cast<std::size_t>(++k)];
+      const WideMatrix input = error.on_z.leftCols(moved);
+      const WideMatrix weighted = (k < problem.horizon ? Q : P) * input;
+      numbers->H.topLeftCorner(moved, moved) += input.transpose() * weighted;
+      numbers->F.topRows(moved) += weighted.transpose() * error.on_theta;
+    }
+  }
+  addInputCost(problem, &numbers->H);
   numbers->H = ((numbers->H + numbers->H.transpose()) * DoubleDouble(0.5)).eval();
-  numbers->f = WideMatrix::Zero(n, 1);
-  numbers->F = F_error * selectors.error;
-  if (!prediction.drift.empty()) numbers->F += F_drift;
-  numbers->F.topRows(nu) -= R_delta * selectors.change;
+  numbers->F.topRows(nu) -= wide(problem.R_delta) * two * selectors.change;
+}
+
+/// A problem whose parameters are all entries of theta, in the variables in which H is well conditioned.
+struct Formulation {
+  Selectors selectors;
+  Prediction prediction;
+  /// H, f and F of the inputs alone.
+  WideProgram numbers;
+};
+
+Formulation formulate(const MpcProblem& problem, const WideModel& model) {
+  Formulation result;
+  result.selectors = selectorsOf(problem, model);
+  result.prediction = predict(problem, model, result.selectors, nullptr);
+  setCost(problem, model, result.prediction, result.selectors, &result.numbers);
+  // With blocks, the inputs of a stage are not free to follow a feedback.
+  if (problem.moves.empty() && problem.horizon > 1 && scaledCondition(result.numbers.H) > kGreatCondition) {
+    const Feedback feedback = feedbackOf(problem, model, result.selectors);
+    result.prediction = predict(problem, model, result.selectors, &feedback);
+    result.numbers.H = feedback.H;
+    result.numbers.F = feedback.F;
+  }
+  result.numbers.f = WideMatrix::Zero(result.numbers.H.rows(), 1);
+  return result;
 }
 
 // Where the input cannot hold its reference, bounds are active at many steps, in very many combinations.
@@ -162,7 +170,30 @@ void setRounded(const WideProgram& numbers, ParametricProgram* program) {
   program->c = rounded(numbers.c);
 }
 
+/// u~ of the blocks. Parameters with a value count in the constant.
+InputPlan planOf(const MpcProblem& problem, const Prediction& prediction) {
+  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+  const Eigen::Index nu = problem.inputCount(), n = prediction.moves.front().on_z.cols();
+  InputPlan plan{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, p), Eigen::VectorXd(n)};
+  const Eigen::VectorXd fixed = fixedValues(problem);
+  Eigen::Index at = 0;
+  std::size_t stage = 0;
+  for (const int length : blockLengths(problem)) {
+    const Eigen::MatrixXd on_theta = rounded(prediction.moves[stage].on_theta);
+    plan.on_z.middleRows(at, nu) = rounded(prediction.moves[stage].on_z);
+    plan.on_theta.middleRows(at, nu) = on_theta.leftCols(p);
+    plan.constant.segment(at, nu) = on_theta.rightCols(fixed.size()) * fixed;
+    at += nu;
+    stage += static_cast<std::size_t>(length);
+  }
+  return plan;
+}
+
 }  // namespace
+
+std::string placeOf(const MpcProblem& problem) {
+  return problem.source.empty() ? problem.name : problem.source;
+}
 
 std::vector<int> blockLengths(const MpcProblem& problem) {
   return problem.moves.empty() ? std::vector<int>(static_cast<std::size_t>(problem.horizon), 1)
@@ -173,24 +204,21 @@ Eigen::MatrixXd terminalWeight(const MpcProblem& problem, const DiscreteModel& m
   return problem.P.size() > 0 ? problem.P : solveRiccati(model.A, model.B, problem.Q, problem.R);
 }
 
-ParametricProgram condense(const MpcProblem& problem) {
+ParametricProgram condense(const MpcProblem& problem, InputPlan* plan) {
   const WideModel model = wideModel(problem, problem.sampling_time);
   const MpcProblem all = withFixedAsParameters(problem);
-  const Selectors selectors = selectorsOf(all, model);
-  const Prediction prediction = predict(all, model, selectors);
+  auto [selectors, prediction, numbers] = formulate(all, model);
   ParametricProgram program;
   program.name = problem.name;
   program.text = problem.text;
   program.text_kind = "yaml";
   program.period = problem.sampling_time;
-  WideProgram numbers;
-  setCost(all, model, prediction, selectors, &numbers);
   setRows(all, prediction, selectors, &numbers, &program);
   for (const MpcProblem::Parameter& parameter : problem.parameters)
     program.parameters.push_back(parameter.signal);
   program.inputs = problem.inputs;
   const Eigen::Index nu = problem.inputCount();
-  numbers.C = selectors.reference;
+  numbers.C = selectors.reference + prediction.moves.front().on_theta;
   numbers.c = WideMatrix::Zero(nu, 1);
   fixLastParameters(fixedValues(problem), &numbers);
   setRounded(numbers, &program);
@@ -199,27 +227,36 @@ ParametricProgram condense(const MpcProblem& problem) {
   for (std::string& remark : remarksOnDrift(problem)) program.remarks.push_back(std::move(remark));
   checkProgram(program);
   requireSmallRounding(problem, prediction, numbers, program);
+  if (plan != nullptr) *plan = planOf(problem, prediction);
   return program;
 }
 
 Eigen::MatrixXd costAtZero(const MpcProblem& problem) {
   const WideModel model = wideModel(problem, problem.sampling_time);
   const MpcProblem all = withFixedAsParameters(problem);
-  const Selectors selectors = selectorsOf(all, model);
-  const WideMatrix P = wideTerminalWeight(problem, model), Q = wide(problem.Q);
-  WideMatrix errors = selectors.error;
-  WideMatrix cost = selectors.change.transpose() * wide(problem.R_delta) * selectors.change;
-  for (int k = 0; k < problem.horizon; ++k) {
-    cost += errors.transpose() * Q * errors;
-    errors = (model.A * errors + selectors.drift).eval();
+  const auto [selectors, prediction, numbers] = formulate(all, model);
+  const WideMatrix P = wideTerminalWeight(problem, model), Q = wide(problem.Q), R = wide(problem.R),
+                   R_delta = wide(problem.R_delta);
+  const Eigen::Index values = selectors.error.cols();
+  WideMatrix cost = WideMatrix::Zero(values, values);
+  const auto add = [&cost](const WideMatrix& weight, const WideMatrix& value) {
+    cost += value.transpose() * weight * value;
+  };
+  const WideMatrix* before = &selectors.change;
+  for (std::size_t k = 0; k < prediction.moves.size(); ++k) {
+    const WideMatrix& move = prediction.moves[k].on_theta;
+    add(Q, prediction.errors[k].on_theta);
+    add(R, move);
+    add(R_delta, move - *before);
+    before = &move;
   }
-  cost += errors.transpose() * P * errors;
+  add(P, prediction.errors.back().on_theta);
   // (theta, 1) from the parameters and the fixed ones.
   const auto p = static_cast<Eigen::Index>(problem.parameters.size());
-  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(errors.cols(), p + 1);
-  values.topLeftCorner(p, p).setIdentity();
-  values.bottomRightCorner(errors.cols() - p, 1) = fixedValues(problem);
-  return values.transpose() * rounded(cost) * values;
+  Eigen::MatrixXd of_parameters = Eigen::MatrixXd::Zero(values, p + 1);
+  of_parameters.topLeftCorner(p, p).setIdentity();
+  of_parameters.bottomRightCorner(values - p, 1) = fixedValues(problem);
+  return of_parameters.transpose() * rounded(cost) * of_parameters;
 }
 
 }  // namespace polyfly

@@ -42,7 +42,8 @@ Eigen::VectorXd greatestParameters(const ParametricProgram& program) {
   return greatest;
 }
 
-/// Greatest |z_j|: as far as bounds of z_j alone tell in the box, else that of the unconstrained minimiser.
+/// Greatest |z_j|: as far as bounds of z_j alone tell in the box, else that of the unconstrained minimiser. Beside a feedback,
+/// an input is also counted with its whole range.
 Eigen::VectorXd greatestVariables(const ParametricProgram& program, const Eigen::VectorXd& free,
                                   const Eigen::VectorXd& theta) {
   const Eigen::Index n = program.variableCount();
@@ -55,7 +56,12 @@ Eigen::VectorXd greatestVariables(const ParametricProgram& program, const Eigen:
     side(j) = std::min(side(j), (std::abs(program.b(i)) + program.S.row(i).cwiseAbs() * theta) / entry);
   }
   const Eigen::VectorXd bound = upper.cwiseMax(lower);
-  return (bound.array() < HUGE_VAL).select(bound, free);
+  Eigen::VectorXd other = free;
+  for (Eigen::Index j = 0; j < n - static_cast<Eigen::Index>(program.slacks.size()); ++j) {
+    const Signal& input = program.inputs[static_cast<std::size_t>(j) % program.inputs.size()];
+    other(j) = std::max(other(j), input.upper - input.lower);
+  }
+  return (bound.array() < HUGE_VAL).select(bound, other);
 }
 
 /// Rounding of numbers moves the optimum by at most `shift` in the norm of H, and an input by `shift` times the length of
@@ -134,8 +140,9 @@ std::string cause(const MpcProblem& problem, const Prediction& prediction) {
   const double weights = std::max(greatestOf(problem.Q), greatestOf(problem.R));
   const double terminal = problem.P.size() > 0 ? greatestOf(problem.P) / weights : 1.0;
   double greatest = 0.0;
-  for (const WideMatrix& input : prediction.input) greatest = std::max(greatest, greatestOf(rounded(input)));
-  const double growth = std::pow(greatest / greatestOf(rounded(prediction.input.front())), 2);
+  for (const Affine& error : prediction.errors)
+    greatest = std::max(greatest, greatestOf(rounded(error.on_z)));
+  const double growth = std::pow(greatest / greatestOf(rounded(prediction.errors[1].on_z)), 2);
   const double ratio = greatestOf(problem.Q) / problem.R.diagonal().minCoeff();
   if (terminal >= std::max(growth, ratio)) return "the terminal weight is too great beside the others";
   if (growth >= ratio)
@@ -162,9 +169,11 @@ void requireSmallRounding(const MpcProblem& problem, const Prediction& predictio
     condition = shortText(rounding.condition());
     effect = "may change by " + shortText(error) + " of its range";
   }
-  throw Error((problem.source.empty() ? problem.name : problem.source) +
-              ": the condensed cost has the condition " + condition + ", so by rounding an input " + effect +
-              ", more than 1e-6: " + cause(problem, prediction));
+  const char* const way_out =
+      problem.moves.empty() ? "" : "; without blocked moves it is predicted beside a feedback";
+  throw Error(placeOf(problem) + ": the condensed cost has the condition " + condition +
+              ", so by rounding an input " + effect + ", more than 1e-6: " + cause(problem, prediction) +
+              way_out);
 }
 
 }  // namespace polyfly

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "condense_parts.hpp"
+#include "mpc_core/decompositions.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -13,12 +15,7 @@ constexpr double kZeroRow = 1e-25;
 
 double size(const WideMatrix& matrix) { return rounded(matrix).cwiseAbs().maxCoeff(); }
 
-/// `sign` times the unit vector, as a row.
-WideMatrix unitRow(double sign, Eigen::Index n, Eigen::Index i) {
-  return wide(sign * Eigen::RowVectorXd::Unit(n, i));
-}
-
-WideMatrix zeroRow(Eigen::Index columns) { return WideMatrix::Zero(1, columns); }
+WideMatrix zeroRows(Eigen::Index rows, Eigen::Index columns) { return WideMatrix::Zero(rows, columns); }
 
 /// Collects rows A z <= b + S theta; those without z become A_theta theta <= b_theta.
 class Rows {
@@ -75,115 +72,123 @@ std::string rowName(const std::string& subject, double sign, int step) {
 
 double boundOf(const Signal& signal, double sign) { return sign > 0.0 ? signal.upper : -signal.lower; }
 
-/// What happens in a prediction: first stage of each block of inputs, and the block of each stage.
-struct Blocks {
+/// First stage of each block of inputs.
+std::vector<int> firstStages(const MpcProblem& problem) {
   std::vector<int> first;
-  std::vector<Eigen::Index> of_stage;
-};
-
-Blocks blocksOf(const MpcProblem& problem) {
-  Blocks blocks;
+  int stage = 0;
   for (const int length : blockLengths(problem)) {
-    blocks.first.push_back(static_cast<int>(blocks.of_stage.size()));
-    blocks.of_stage.insert(blocks.of_stage.end(), static_cast<std::size_t>(length),
-                           static_cast<Eigen::Index>(blocks.first.size()) - 1);
+    first.push_back(stage);
+    stage += length;
   }
-  return blocks;
+  return first;
+}
+
+Affine rowOf(const Affine& value, Eigen::Index i) { return {value.on_z.row(i), value.on_theta.row(i)}; }
+
+/// sign value <= bound
+Rows::Row oneSide(const Affine& value, double sign, double bound, std::string name, int slack = -1) {
+  return {value.on_z * DoubleDouble(sign), value.on_theta * DoubleDouble(-sign), bound, std::move(name),
+          slack};
 }
 
 /// Bounds of inputs and of errors, upper ones first.
 void addRanges(const MpcProblem& problem, const Prediction& prediction, const Selectors& selectors,
                Rows* rows) {
-  const Eigen::Index nu = problem.inputCount();
-  const Blocks blocks = blocksOf(problem);
-  const Eigen::Index n = static_cast<Eigen::Index>(blocks.first.size()) * nu;
   for (const double sign : {1.0, -1.0}) {
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Signal& input = problem.inputs[static_cast<std::size_t>(i % nu)];
-      rows->add({unitRow(sign, n, i), selectors.reference.row(i % nu) * DoubleDouble(-sign),
-                 boundOf(input, sign),
-                 rowName(input.name, sign, blocks.first[static_cast<std::size_t>(i / nu)]), -1});
+    for (const int stage : firstStages(problem)) {
+      for (Eigen::Index i = 0; i < problem.inputCount(); ++i) {
+        const Signal& input = problem.inputs[static_cast<std::size_t>(i)];
+        Affine value = rowOf(prediction.moves[static_cast<std::size_t>(stage)], i);
+        value.on_theta += selectors.reference.row(i);
+        rows->add(oneSide(value, sign, boundOf(input, sign), rowName(input.name, sign, stage)));
+      }
     }
   }
   for (const double sign : {1.0, -1.0}) {
-    for (std::size_t k = 0; k < prediction.input.size(); ++k) {
-      WideMatrix on_theta = prediction.state[k] * selectors.error * DoubleDouble(-sign);
-      if (!prediction.drift.empty()) on_theta -= prediction.drift[k] * DoubleDouble(sign);
+    for (int k = 1; k <= problem.horizon; ++k) {
       for (int i = 0; i < problem.stateCount(); ++i) {
         const Signal& state = problem.states[static_cast<std::size_t>(i)];
-        rows->add({prediction.input[k].row(i) * DoubleDouble(sign), on_theta.row(i), boundOf(state, sign),
-                   rowName(state.name, sign, static_cast<int>(k) + 1), -1});
+        rows->add(oneSide(rowOf(prediction.errors[static_cast<std::size_t>(k)], i), sign,
+                          boundOf(state, sign), rowName(state.name, sign, k)));
       }
     }
   }
 }
 
 /// Bounds on the change of u, upper ones first: within a block there is none.
-void addChanges(const MpcProblem& problem, const Selectors& selectors, Rows* rows) {
+void addChanges(const MpcProblem& problem, const Prediction& prediction, const Selectors& selectors,
+                Rows* rows) {
   if (problem.changes.empty()) return;
-  const Eigen::Index nu = problem.inputCount();
-  const Blocks blocks = blocksOf(problem);
-  const auto n = static_cast<Eigen::Index>(blocks.first.size()) * nu;
+  const Affine before{zeroRows(selectors.change.rows(), prediction.moves.front().on_z.cols()),
+                      selectors.change};
   for (const double sign : {1.0, -1.0}) {
-    for (std::size_t block = 0; block < blocks.first.size(); ++block) {
-      for (Eigen::Index i = 0; i < nu; ++i) {
+    for (const int stage : firstStages(problem)) {
+      const auto k = static_cast<std::size_t>(stage);
+      const Affine& last = stage == 0 ? before : prediction.moves[k - 1];
+      for (Eigen::Index i = 0; i < problem.inputCount(); ++i) {
         const Signal& change = problem.changes[static_cast<std::size_t>(i)];
-        const Eigen::Index at = static_cast<Eigen::Index>(block) * nu + i;
-        WideMatrix on_z = unitRow(sign, n, at);
-        WideMatrix on_theta = zeroRow(selectors.change.cols());
-        if (block > 0) on_z(at - nu) = -sign;
-        if (block == 0) on_theta = selectors.change.row(i) * DoubleDouble(sign);
-        rows->add({std::move(on_z), std::move(on_theta), boundOf(change, sign),
-                   rowName(change.name, sign, blocks.first[block]), -1});
+        Affine value = rowOf(prediction.moves[k], i);
+        value.on_z -= last.on_z.row(i);
+        value.on_theta -= last.on_theta.row(i);
+        rows->add(oneSide(value, sign, boundOf(change, sign), rowName(change.name, sign, stage)));
       }
     }
   }
 }
 
 /// T e_N <= t
-void addTerminalSet(const MpcProblem& problem, const Prediction& prediction, const Selectors& selectors,
-                    Rows* rows) {
+void addTerminalSet(const MpcProblem& problem, const Prediction& prediction, Rows* rows) {
   for (Eigen::Index i = 0; i < problem.T.rows(); ++i) {
     const WideMatrix T = wide(problem.T.row(i));
-    WideMatrix on_theta = -(T * prediction.state.back() * selectors.error);
-    if (!prediction.drift.empty()) on_theta -= T * prediction.drift.back();
-    rows->add({T * prediction.input.back(), std::move(on_theta), problem.t(i),
-               "row " + std::to_string(i) + " of the terminal set", -1});
+    const Affine& last = prediction.errors.back();
+    rows->add(oneSide({T * last.on_z, T * last.on_theta}, 1.0, problem.t(i),
+                      "row " + std::to_string(i) + " of the terminal set"));
   }
 }
 
-/// value = on_z z + on_theta theta
-struct StageValue {
-  WideMatrix on_z, on_theta;
-};
+/// Directions of e_N that the inputs move, in units in which the greatest entry of each row is 1.
+Eigen::Index reachedDirections(const WideMatrix& on_z) {
+  constexpr double kRank = 1e-11;
+  Eigen::MatrixXd rows = rounded(on_z);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const double greatest = rows.row(i).cwiseAbs().maxCoeff();
+    if (greatest > 0.0) rows.row(i) /= greatest;
+  }
+  return PivotedQr(rows.transpose(), kRank).rank();
+}
+
+/// e_N = 0
+void addTerminalEquality(const MpcProblem& problem, const Prediction& prediction, Rows* rows,
+                         ParametricProgram* program) {
+  if (!problem.terminal_equality) return;
+  const Affine& last = prediction.errors.back();
+  if (reachedDirections(last.on_z) < problem.stateCount())
+    throw Error(placeOf(problem) +
+                ": weights.terminal: equality needs inputs that reach every state within the horizon");
+  for (int i = 0; i < problem.stateCount(); ++i)
+    program->equalities.push_back(
+        rows->add(oneSide(rowOf(last, i), 1.0, 0.0,
+                          problem.states[static_cast<std::size_t>(i)].name + " at its reference, step " +
+                              std::to_string(problem.horizon))));
+}
 
 /// What the rows of a constraint are made of.
 struct Horizon {
   const Prediction& prediction;
   const Selectors& selectors;
-  Blocks blocks;
 };
 
 /// G_x x_k + G_u u_k, or the same of the errors.
-StageValue valueAt(int stage, const StageConstraint& constraint, const Horizon& horizon) {
-  const Prediction& prediction = horizon.prediction;
+Affine valueAt(int stage, const StageConstraint& constraint, const Horizon& horizon) {
   const Selectors& selectors = horizon.selectors;
-  const Eigen::Index nu = constraint.G_u.size();
-  StageValue value;
   const WideMatrix G_x = wide(constraint.G_x), G_u = wide(constraint.G_u);
-  value.on_theta = zeroRow(selectors.error.cols());
-  value.on_z = zeroRow(prediction.input.front().cols());
-  if (stage == 0) {
-    value.on_theta += G_x * selectors.error;
-  } else {
-    const auto k = static_cast<std::size_t>(stage) - 1;
-    value.on_theta += G_x * prediction.state[k] * selectors.error;
-    value.on_z += G_x * prediction.input[k];
-    if (!prediction.drift.empty()) value.on_theta += G_x * prediction.drift[k];
-  }
+  const Affine& error = horizon.prediction.errors[static_cast<std::size_t>(stage)];
+  Affine value{G_x * error.on_z, G_x * error.on_theta};
   if (constraint.absolute) value.on_theta += G_x * selectors.state + G_u * selectors.reference;
-  if (!constraint.G_u.isZero(0.0))
-    value.on_z.middleCols(horizon.blocks.of_stage[static_cast<std::size_t>(stage)] * nu, nu) += G_u;
+  if (constraint.G_u.isZero(0.0)) return value;
+  const Affine& move = horizon.prediction.moves[static_cast<std::size_t>(stage)];
+  value.on_z += G_u * move.on_z;
+  value.on_theta += G_u * move.on_theta;
   return value;
 }
 
@@ -209,18 +214,17 @@ int addSlack(const StageConstraint& constraint, WideProgram* numbers, Parametric
 /// The rows of a bound; a soft one has slack variables, each of which relaxes both sides.
 void addConstraint(const StageConstraint& constraint, const Horizon& horizon, Rows* rows,
                    WideProgram* numbers, ParametricProgram* program) {
-  const int stages = static_cast<int>(horizon.prediction.input.size());
+  const int stages = static_cast<int>(horizon.prediction.moves.size());
   const bool has_input = !constraint.G_u.isZero(0.0);
   const bool shared = constraint.slack == StageConstraint::Slack::kPerHorizon;
   const int first = has_input ? 0 : 1;
   int slack = -1;
   for (int stage = first; stage < first + stages; ++stage) {
-    const StageValue value = valueAt(stage, constraint, horizon);
+    const Affine value = valueAt(stage, constraint, horizon);
     if (constraint.soft && (slack < 0 || !shared)) slack = addSlack(constraint, numbers, program);
     for (const double sign : {1.0, -1.0}) {
-      const int row =
-          rows->add({value.on_z * DoubleDouble(sign), value.on_theta * DoubleDouble(-sign),
-                     boundOf(constraint.signal, sign), rowName(constraint.signal.name, sign, stage), slack});
+      const int row = rows->add(oneSide(value, sign, boundOf(constraint.signal, sign),
+                                        rowName(constraint.signal.name, sign, stage), slack));
       if (slack >= 0 && row >= 0) program->slacks[static_cast<std::size_t>(slack)].rows.push_back(row);
     }
   }
@@ -234,8 +238,8 @@ void addFloors(const StageConstraint& constraint, const WideProgram& numbers, Ro
   for (std::size_t i = 0; i < program->slacks.size(); ++i) {
     SlackVariable& slack = program->slacks[i];
     if (slack.name != constraint.signal.name) continue;
-    slack.floor = rows->add(
-        {zeroRow(n), zeroRow(numbers.F.cols()), 0.0, slack.name + " within its bounds", static_cast<int>(i)});
+    slack.floor = rows->add({zeroRows(1, n), zeroRows(1, numbers.F.cols()), 0.0,
+                             slack.name + " within its bounds", static_cast<int>(i)});
   }
 }
 
@@ -246,9 +250,10 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
   const Eigen::Index n = numbers->H.rows();
   Rows rows;
   addRanges(problem, prediction, selectors, &rows);
-  addChanges(problem, selectors, &rows);
-  addTerminalSet(problem, prediction, selectors, &rows);
-  const Horizon horizon{prediction, selectors, blocksOf(problem)};
+  addChanges(problem, prediction, selectors, &rows);
+  addTerminalSet(problem, prediction, &rows);
+  addTerminalEquality(problem, prediction, &rows, program);
+  const Horizon horizon{prediction, selectors};
   for (const StageConstraint& constraint : problem.constraints)
     addConstraint(constraint, horizon, &rows, numbers, program);
   for (const StageConstraint& constraint : problem.constraints)

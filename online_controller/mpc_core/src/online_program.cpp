@@ -32,31 +32,11 @@ int generalRows(const ParametricProgram& program) {
   return count;
 }
 
-/// Units of the variables, powers of two: the solver's tolerances are for numbers about 1. A variable has the size of its
-/// greatest bound; where that is ordinary, or there is none, its unit stays.
-Eigen::VectorXd unitsOf(const ParametricProgram& program) {
-  constexpr double kOrdinary = 1024.0;
-  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(program.variableCount());
-  for (Eigen::Index i = 0; i < program.A.rows(); ++i) {
-    const int variable = singleEntry(program.A, i);
-    if (variable < 0) continue;
-    sizes(variable) = std::max(sizes(variable), std::abs(program.b(i) / program.A(i, variable)));
-  }
-  return sizes.unaryExpr([](double size) {
-    const bool is_ordinary =
-        !(size > 0.0 && std::isfinite(size)) || (size < kOrdinary && size > 1.0 / kOrdinary);
-    return is_ordinary ? 1.0 : std::ldexp(1.0, std::ilogb(size));
-  });
-}
-
-/// The program of z / units.
-ParametricProgram inUnits(ParametricProgram program, const Eigen::VectorXd& units) {
-  program.H = units.asDiagonal() * program.H * units.asDiagonal();
-  program.f = units.cwiseProduct(program.f).eval();
-  program.F = units.asDiagonal() * program.F;
-  program.A = program.A * units.asDiagonal();
-  program.E = program.E * units.asDiagonal();
-  return program;
+Eigen::VectorXd powersOfTwo(const std::vector<int>& exponents) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(exponents.size()));
+  for (Eigen::Index i = 0; i < result.size(); ++i)
+    result(i) = std::ldexp(1.0, exponents[static_cast<std::size_t>(i)]);
+  return result;
 }
 
 }  // namespace
@@ -73,10 +53,14 @@ std::optional<OnlineProgram::Transformed> OnlineProgram::transform(const Paramet
                      rounded(-(inverse.transpose() * (inverse * cost)))};
 }
 
-OnlineProgram::OnlineProgram(ParametricProgram program)
-    : program_(std::move(program)),
-      units_(unitsOf(program_)),
-      scaled_(inUnits(program_, units_)),
+OnlineProgram::OnlineProgram(const ParametricProgram& program)
+    : OnlineProgram(program, scaleProgram(program)) {}
+
+OnlineProgram::OnlineProgram(const ParametricProgram& program, ScaledProgram scaled)
+    : program_(program),
+      units_(powersOfTwo(scaled.variables)),
+      gradient_units_(std::ldexp(1.0, scaled.cost) * units_),
+      scaled_(std::move(scaled.program)),
       transformed_(transform(scaled_)),
       qp_(scaled_.variableCount(), transformed_ ? scaled_.rowCount() : generalRows(scaled_)) {
   const Eigen::MatrixXd identity =
@@ -169,7 +153,8 @@ QpStatus OnlineProgram::solveTransformed(const double* more) noexcept {
 QpStatus OnlineProgram::solve(const double* theta, double* u, const double* more) noexcept {
   const Eigen::Index p = program_.parameterCount();
   affine_.head(p) = Eigen::Map<const Eigen::VectorXd>(theta, p);
-  if (more != nullptr) more_ = units_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(more, units_.size()));
+  if (more != nullptr)
+    more_ = gradient_units_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(more, units_.size()));
   const double* const added = more != nullptr ? more_.data() : nullptr;
   const QpStatus status = transformed_ ? solveTransformed(added) : solveGiven(theta, added);
   warm_ = status == QpStatus::kOptimal;

@@ -136,6 +136,8 @@ void readTerminalSet(const YamlField& root, MpcProblem* problem) {
   problem->T = Eigen::MatrixXd::Zero(0, problem->stateCount());
   if (!root.has("terminal_set")) return;
   const YamlField set = root.at("terminal_set");
+  if (problem->terminal_equality)
+    set.fail("must be absent: weights.terminal: equality ends at the reference");
   set.checkKeys({"T", "t"}, {});
   const int rows = static_cast<int>(set.at("T").items().size());
   if (rows == 0) set.at("T").fail("must have at least one row");

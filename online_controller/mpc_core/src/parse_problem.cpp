@@ -148,8 +148,10 @@ void readWeights(const YamlField& weights, MpcProblem* problem) {
   const YamlField terminal = weights.at("terminal");
   if (terminal.isList()) {
     problem->P = readSemidefinite(terminal, nx);
+  } else if (terminal.text() == "equality") {
+    problem->terminal_equality = true;
   } else if (terminal.text() != "riccati") {
-    terminal.fail("must be riccati or a weight, got '" + terminal.text() + "'");
+    terminal.fail("must be riccati, equality or a weight, got '" + terminal.text() + "'");
   }
 }
 

@@ -21,6 +21,10 @@ using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTolerance = 1e-7;
+// Factor of a terminal weight with which a short horizon conditions H badly.
+constexpr double kHeavy = 1e4;
+// Of the cost of a plan that an unstable plant multiplies, relative.
+constexpr double kWholeCost = 1e-10;
 // A slack below this may be rounding of one that is 0.
 constexpr double kSlackTolerance = 1e-7;
 
@@ -170,7 +174,7 @@ Tally compare(const MpcProblem& problem, unsigned seed, double size) {
     for (const SlackVariable& slack : program.slacks) {
       for (Eigen::Index i = 0; i < excess.size(); ++i)
         if (problem.constraints[static_cast<std::size_t>(i)].signal.name == slack.name)
-          excess(i) = std::max(excess(i), online.solver().x()[slack.variable]);
+          excess(i) = std::max(excess(i), online.z()[slack.variable]);
     }
     EXPECT_LT(maxAbs(excess - expected.excess), kTolerance) << trial;
     if (excess.size() > 0 && excess.maxCoeff() > kSlackTolerance) ++tally.exceeded;
@@ -307,40 +311,125 @@ TEST(Constraints, DisturbancesAlongTheHorizonOfErrors) {
   EXPECT_GT(compare(problem, 61, 0.6).feasible, 10);
 }
 
-TEST(Constraints, TheCostAtZeroCompletesTheCost) {
-  Draw draw(71);
-  MpcProblem problem = randomProblem(&draw);
-  problem.moves = {2, 4};
+constexpr int kUnstableHorizon = 14;
+
+/// The same plant, so unstable that the inputs themselves would condition H badly.
+MpcProblem unstableProblem(Draw* draw) {
+  MpcProblem problem = randomProblem(draw);
+  problem.A_c(0, 0) += 1.6;
+  problem.horizon = kUnstableHorizon;
   problem.parameters.push_back({{"d", "1", -1, 1}, ParameterRole::kDisturbance, 0});
+  return problem;
+}
+
+/// No two stages share a term of the inputs' cost.
+bool isBesideFeedback(const ParametricProgram& program) {
+  const Eigen::Index inputs = program.variableCount() - static_cast<Eigen::Index>(program.slacks.size());
+  double shared = 0.0;
+  for (Eigen::Index i = 0; i < inputs; ++i)
+    for (Eigen::Index j = 0; j < inputs; ++j)
+      if (i / 2 != j / 2) shared = std::max(shared, std::abs(program.H(i, j)));
+  return shared == 0.0;
+}
+
+TEST(BesideAFeedback, AllRowsAndRolesAreThoseOfTheProblem) {
+  int exceeded = 0;
+  for (unsigned seed = 81; seed <= 84; ++seed) {
+    Draw draw(seed);
+    MpcProblem problem = unstableProblem(&draw);
+    problem.changes = {{"change of u0", "1", -0.3, 0.4}, {"change of u1", "1", -kInfinity, 0.5}};
+    problem.states[1].upper = 0.9;
+    addStateReferences(&problem);
+    problem.constraints = {bound("mixed", -1.0, 1.0), bound("peak", -0.1, 0.1)};
+    problem.constraints[0].G_x << 1.0, 0.0, 0.5;
+    problem.constraints[0].G_u << 0.0, 0.7;
+    makeSoft(&problem.constraints[0], 5.0, 1.0);
+    problem.constraints[1].G_x(2) = 1.0;
+    makeSoft(&problem.constraints[1], 20.0, 1.0);
+    problem.constraints[1].slack = StageConstraint::Slack::kPerHorizon;
+    EXPECT_TRUE(isBesideFeedback(condense(problem)));
+    const Tally tally = compare(problem, seed, 0.15);
+    EXPECT_GT(tally.feasible, 10) << seed;
+    exceeded += tally.exceeded;
+  }
+  EXPECT_GT(exceeded, 10);
+}
+
+TEST(BesideAFeedback, TheErrorsEndAtZero) {
+  for (unsigned seed = 85; seed <= 87; ++seed) {
+    Draw draw(seed);
+    for (MpcProblem problem : {unstableProblem(&draw), randomProblem(&draw)}) {
+      problem.terminal_equality = true;
+      problem.P.resize(0, 0);
+      const ParametricProgram program = condense(problem);
+      EXPECT_EQ(program.equalities.size(), 3u);
+      EXPECT_EQ(isBesideFeedback(program), problem.horizon == kUnstableHorizon);
+      EXPECT_GT(compare(problem, seed, 0.05).feasible, 10);
+    }
+  }
+}
+
+TEST(BesideAFeedback, BlockedMovesStayInputs) {
+  Draw draw(88);
+  MpcProblem problem = unstableProblem(&draw);
+  problem.horizon = 9;
+  problem.P *= kHeavy;
+  EXPECT_TRUE(isBesideFeedback(condense(problem)));
+  problem.moves = {1, 1, 1, 1, 1, 1, 1, 2};
+  EXPECT_FALSE(isBesideFeedback(condense(problem)));
+}
+
+/// Cost of the program and costAtZero() together against Eq. 4, under the inputs of the plan.
+void expectWholeCost(MpcProblem problem, Draw* draw) {
   problem.fixed_parameters = {problem.parameters[3]};
   problem.fixed_parameters[0].signal.lower = problem.fixed_parameters[0].signal.upper = 0.4;
   problem.parameters.erase(problem.parameters.begin() + 3);
-  const ParametricProgram program = condense(problem);
+  InputPlan plan;
+  const ParametricProgram program = condense(problem, &plan);
   const MatrixXd rest = costAtZero(problem);
   const DiscreteModel model = discretise(problem, problem.sampling_time);
+  const std::vector<int> blocks = blockLengths(problem);
   for (int trial = 0; trial < 20; ++trial) {
     const auto p = static_cast<Eigen::Index>(problem.parameters.size());
     VectorXd values(p + 1);
-    values << draw.matrix(p, 1, 1.0), 0.4;
+    values << draw->matrix(p, 1, 1.0), 0.4;
     const Situation at = situationAt(problem, model, values);
-    const VectorXd z = draw.matrix(4, 1, 1.0);
+    const VectorXd z = draw->matrix(program.variableCount(), 1, 1.0);
+    const VectorXd moves = plan.on_z * z + plan.on_theta * values.head(p) + plan.constant;
     double expected = 0.0;
     VectorXd x = at.x, before = at.u_previous;
-    for (int k = 0; k < problem.horizon; ++k) {
-      const VectorXd u = at.u_ref + (k < 2 ? z.head(2) : z.tail(2));
-      expected += (x - at.x_ref).dot(problem.Q * (x - at.x_ref)) +
-                  (u - at.u_ref).dot(problem.R * (u - at.u_ref)) +
-                  (u - before).dot(problem.R_delta * (u - before));
-      x = (model.A * x + model.B * u + at.w).eval();
-      before = u;
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+      const VectorXd u = at.u_ref + moves.segment(2 * static_cast<Eigen::Index>(block), 2);
+      for (int k = 0; k < blocks[block]; ++k) {
+        expected += (x - at.x_ref).dot(problem.Q * (x - at.x_ref)) +
+                    (u - at.u_ref).dot(problem.R * (u - at.u_ref)) +
+                    (u - before).dot(problem.R_delta * (u - before));
+        x = (model.A * x + model.B * u + at.w).eval();
+        before = u;
+      }
     }
     expected += (x - at.x_ref).dot(problem.P * (x - at.x_ref));
     VectorXd extended(p + 1);
     extended << values.head(p), 1.0;
     const double cost = 0.5 * z.dot(program.H * z) + (program.f + program.F * values.head(p)).dot(z) +
                         extended.dot(rest * extended);
-    EXPECT_NEAR(cost, expected, 1e-10 * expected);
+    EXPECT_NEAR(cost, expected, kWholeCost * expected);
+    EXPECT_LT(maxAbs(program.E * z + program.C * values.head(p) + program.c - at.u_ref - moves.head(2)),
+              1e-12);
   }
+}
+
+TEST(Constraints, TheCostAtZeroCompletesTheCost) {
+  Draw draw(71);
+  MpcProblem problem = randomProblem(&draw);
+  problem.moves = {2, 4};
+  problem.parameters.push_back({{"d", "1", -1, 1}, ParameterRole::kDisturbance, 0});
+  expectWholeCost(problem, &draw);
+  problem = unstableProblem(&draw);
+  problem.horizon = 9;
+  problem.P *= kHeavy;
+  EXPECT_TRUE(isBesideFeedback(condense(problem)));
+  expectWholeCost(problem, &draw);
 }
 
 }  // namespace

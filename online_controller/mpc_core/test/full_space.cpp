@@ -132,6 +132,8 @@ class FullSpace {
         addRange(RowVectorXd::Unit(size_, x(k) + i), state.lower, state.upper, -at_.x_ref(i));
       }
     }
+    for (Index i = 0; problem_.terminal_equality && i < nx_; ++i)
+      addEquality(RowVectorXd::Unit(size_, x(N_) + i), at_.x_ref(i));
     for (Index i = 0; i < problem_.T.rows(); ++i) {
       RowVectorXd row = RowVectorXd::Zero(size_);
       row.segment(x(N_), nx_) = problem_.T.row(i);

@@ -237,6 +237,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadConstraint{"t: [2, 3]", "t: [2]", "terminal_set.t", "must have 2 numbers"},
         BadConstraint{"T: [[1, 0],", "T: [[0, 0],", "terminal_set.T[0]", "must not be zero"},
         BadConstraint{"[[3, 1], [1, 2]]", "[[3, 4], [4, 2]]", "weights.terminal", "positive semidefinite"},
+        BadConstraint{"terminal: [[3, 1], [1, 2]]", "terminal: equality", "terminal_set", "must be absent"},
         BadConstraint{"unit: m, value: 0", "unit: m, value: 0, range: [0, 1]", "parameters[3].value",
                       "no range"},
         BadConstraint{"role: disturbance, of: d", "role: disturbance, of: v", "parameters[6].of",

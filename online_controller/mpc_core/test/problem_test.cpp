@@ -111,6 +111,14 @@ TEST(ProblemFile, TheDelayIsTheControllersAlone) {
   EXPECT_EQ(condense(with).F, condense(without).F);
 }
 
+TEST(ProblemFile, ErrorsMayEndAtZero) {
+  const MpcProblem problem =
+      parseProblem(replaced(kBase, "terminal: riccati", "terminal: equality"), "cart.yaml");
+  EXPECT_TRUE(problem.terminal_equality);
+  EXPECT_EQ(problem.P.size(), 0);
+  EXPECT_FALSE(parseProblem(kBase, "cart.yaml").terminal_equality);
+}
+
 TEST(ProblemFile, WeightsMayBeFullMatrices) {
   const MpcProblem problem = parseProblem(replaced(kBase, "Q: [4, 1]", "Q: [[4, 1], [1, 1]]"), "cart.yaml");
   EXPECT_EQ(problem.Q, (Eigen::Matrix2d() << 4, 1, 1, 1).finished());
@@ -140,49 +148,50 @@ TEST_P(BadProblem, NamesFileLineFieldAndRule) {
 
 INSTANTIATE_TEST_SUITE_P(
     Keys, BadProblem,
-    testing::Values(
-        BadCase{"horizon: 5", "horizon: 5\nhorizn: 6", "horizn", "horizn", "unknown key"},
-        BadCase{"horizon: 5", "horizon: 5\nhorizon: 6", "horizon: 6", "horizon", "duplicate key"},
-        BadCase{"  R: [[0.5]]", "  R: [[0.5]]\n  R: [1]", "R: [1]", "weights.R", "duplicate key"},
-        BadCase{"  R: [[0.5]]", "  R: [[0.5]]\n  S: [1]", "S: [1]", "weights.S", "unknown key"},
-        BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  delay: 0.6", "delay:", "model.delay",
-                "must be from 0 to 0.5 s"},
-        BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  delay: -1", "delay:", "model.delay",
-                "must be from 0 to 0.5 s"},
-        BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  D: [[1, 0]]", "D:", "model.D", "unknown key"},
-        BadCase{"{name: p, unit: m}", "{name: p, unit: m, rang: [0, 1]}", "rang:", "model.states[0].rang",
-                "unknown"},
-        BadCase{"{name: d, unit", "{rang: [0, 1], name: d, unit", "name: d", "model.disturbances[0].rang",
-                "unknown"},
-        BadCase{"{name: d, unit", "{range: [1, 0], name: d, unit", "name: d", "model.disturbances[0].range",
-                "lower end must be below"},
-        BadCase{"role: previous_input", "roll: previous_input", "roll:", "parameters[2].roll", "unknown key"},
-        BadCase{"horizon: 5\n", "", "polyfly_problem", "horizon", "missing"},
-        BadCase{"sampling_time: 0.1\n", "", "polyfly_problem", "sampling_time", "missing"},
-        BadCase{"polyfly_problem: 1\n", "", "name: cart", "polyfly_problem", "missing"},
-        BadCase{"name: cart\n", "", "polyfly_problem", "name", "missing"},
-        BadCase{"type: tracking_mpc\n", "", "polyfly_problem", "type", "missing"},
-        BadCase{"  C: [[1, 0]]\n", "", "  states:", "model.C", "missing"},
-        BadCase{"  B_d: [[0], [2]]\n", "", "  states:", "model.B_d", "missing"},
-        BadCase{"  R: [[0.5]]\n", "", "  Q:", "weights.R", "missing"},
-        BadCase{", unit: m}", "}", "name: p", "model.states[0].unit", "missing"},
-        BadCase{", range: [-1, 1.5]}\n  disturbances", "}\n  disturbances", "name: a,",
-                "model.inputs[0].range", "missing"},
-        BadCase{"of: a, unit: m/s^2, range: [-0.5", "unit: m/s^2, range: [-0.5", "a_ref", "parameters[0].of",
-                "missing"},
-        BadCase{"horizon: 5", "? [1, 2]\n: 5", "[1, 2]", "file", "plain names"},
-        BadCase{"horizon: 5", "horizon:", "horizon:", "horizon", "must be a number"},
-        BadCase{"type: tracking_mpc", "type: robust", "robust", "type",
-                "must be tracking_mpc, robust_mpc or safety_filter, got 'robust'"},
-        BadCase{"type: tracking_mpc", "type: robust_mpc", "robust_mpc", "type",
-                "must be tracking_mpc here, got 'robust_mpc'"},
-        BadCase{"sampling_time: 0.1\n", "sampling_time: 0.1\ncalibration: a.yaml\n", "calibration",
-                "calibration", "only a problem file may have it"},
-        BadCase{"sampling_time: 0.1\n", "sampling_time: 0.1\ncalibrations: a.yaml\n", "calibrations",
-                "calibrations", "provenance, calibration"},
-        BadCase{"polyfly_problem: 1", "polyfly_problem: 2", "polyfly_problem", "polyfly_problem",
-                "from 1 to 1"},
-        BadCase{"terminal: riccati", "terminal: none", "none", "weights.terminal", "must be riccati"}));
+    testing::Values(BadCase{"horizon: 5", "horizon: 5\nhorizn: 6", "horizn", "horizn", "unknown key"},
+                    BadCase{"horizon: 5", "horizon: 5\nhorizon: 6", "horizon: 6", "horizon", "duplicate key"},
+                    BadCase{"  R: [[0.5]]", "  R: [[0.5]]\n  R: [1]", "R: [1]", "weights.R", "duplicate key"},
+                    BadCase{"  R: [[0.5]]", "  R: [[0.5]]\n  S: [1]", "S: [1]", "weights.S", "unknown key"},
+                    BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  delay: 0.6", "delay:", "model.delay",
+                            "must be from 0 to 0.5 s"},
+                    BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  delay: -1", "delay:", "model.delay",
+                            "must be from 0 to 0.5 s"},
+                    BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  D: [[1, 0]]", "D:", "model.D", "unknown key"},
+                    BadCase{"{name: p, unit: m}", "{name: p, unit: m, rang: [0, 1]}",
+                            "rang:", "model.states[0].rang", "unknown"},
+                    BadCase{"{name: d, unit", "{rang: [0, 1], name: d, unit", "name: d",
+                            "model.disturbances[0].rang", "unknown"},
+                    BadCase{"{name: d, unit", "{range: [1, 0], name: d, unit", "name: d",
+                            "model.disturbances[0].range", "lower end must be below"},
+                    BadCase{"role: previous_input", "roll: previous_input", "roll:", "parameters[2].roll",
+                            "unknown key"},
+                    BadCase{"horizon: 5\n", "", "polyfly_problem", "horizon", "missing"},
+                    BadCase{"sampling_time: 0.1\n", "", "polyfly_problem", "sampling_time", "missing"},
+                    BadCase{"polyfly_problem: 1\n", "", "name: cart", "polyfly_problem", "missing"},
+                    BadCase{"name: cart\n", "", "polyfly_problem", "name", "missing"},
+                    BadCase{"type: tracking_mpc\n", "", "polyfly_problem", "type", "missing"},
+                    BadCase{"  C: [[1, 0]]\n", "", "  states:", "model.C", "missing"},
+                    BadCase{"  B_d: [[0], [2]]\n", "", "  states:", "model.B_d", "missing"},
+                    BadCase{"  R: [[0.5]]\n", "", "  Q:", "weights.R", "missing"},
+                    BadCase{", unit: m}", "}", "name: p", "model.states[0].unit", "missing"},
+                    BadCase{", range: [-1, 1.5]}\n  disturbances", "}\n  disturbances", "name: a,",
+                            "model.inputs[0].range", "missing"},
+                    BadCase{"of: a, unit: m/s^2, range: [-0.5", "unit: m/s^2, range: [-0.5", "a_ref",
+                            "parameters[0].of", "missing"},
+                    BadCase{"horizon: 5", "? [1, 2]\n: 5", "[1, 2]", "file", "plain names"},
+                    BadCase{"horizon: 5", "horizon:", "horizon:", "horizon", "must be a number"},
+                    BadCase{"type: tracking_mpc", "type: robust", "robust", "type",
+                            "must be tracking_mpc, robust_mpc or safety_filter, got 'robust'"},
+                    BadCase{"type: tracking_mpc", "type: robust_mpc", "robust_mpc", "type",
+                            "must be tracking_mpc here, got 'robust_mpc'"},
+                    BadCase{"sampling_time: 0.1\n", "sampling_time: 0.1\ncalibration: a.yaml\n",
+                            "calibration", "calibration", "only a problem file may have it"},
+                    BadCase{"sampling_time: 0.1\n", "sampling_time: 0.1\ncalibrations: a.yaml\n",
+                            "calibrations", "calibrations", "provenance, calibration"},
+                    BadCase{"polyfly_problem: 1", "polyfly_problem: 2", "polyfly_problem", "polyfly_problem",
+                            "from 1 to 1"},
+                    BadCase{"terminal: riccati", "terminal: none", "none", "weights.terminal",
+                            "must be riccati, equality or a weight"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Structure, BadProblem,

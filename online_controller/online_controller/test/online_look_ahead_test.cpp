@@ -44,6 +44,7 @@ Stage integrate(const MpcProblem& problem) {
 }
 
 Eigen::MatrixXd terminalWeight(const Stage& stage, const MpcProblem& problem) {
+  if (problem.P.size() > 0) return problem.P;
   const Eigen::VectorXd B = stage.B_begin + stage.B_end;
   Eigen::MatrixXd P = problem.Q;
   for (int k = 0; k < 20000; ++k) {
@@ -75,14 +76,14 @@ Point onReference(const MpcProblem& problem, const AxisReference& reference) {
   return point;
 }
 
-/// Eq. 38 over (u_0, x_1, u_1, .., x_N): the first input.
+/// Eq. 38 over (u_0, x_1, u_1, .., x_N): the inputs.
 class FullProgram {
  public:
   explicit FullProgram(const MpcProblem& problem)
       : problem_(problem), stage_(integrate(problem)), P_(terminalWeight(stage_, problem)) {}
 
-  double solve(const std::vector<AxisReference>& references, const Eigen::VectorXd& x0,
-               double previous) const {
+  std::vector<double> solve(const std::vector<AxisReference>& references, const Eigen::VectorXd& x0,
+                            double previous) const {
     const Eigen::Index N = problem_.horizon, nx = problem_.stateCount(), block = nx + 1, n = N * block;
     const auto u = [&](Eigen::Index t) { return t * block; };
     const auto x = [&](Eigen::Index t) { return (t - 1) * block + 1; };
@@ -136,7 +137,9 @@ class FullProgram {
     }
     DenseQp qp(H, A, equalities);
     EXPECT_EQ(qp.solve(g.data(), b.data()), QpStatus::kOptimal);
-    return qp.z()(0);
+    std::vector<double> inputs;
+    for (Eigen::Index t = 0; t < N; ++t) inputs.push_back(qp.z()(u(t)));
+    return inputs;
   }
 
  private:
@@ -145,22 +148,35 @@ class FullProgram {
   Eigen::MatrixXd P_;
 };
 
-MpcProblem withMoves(MpcProblem problem) {
-  problem.moves = {1, 1, 2, 4, problem.horizon - 8};
+enum class Moves {
+  kFree,
+  kBlocked,
+  /// The terminal weight is so great that the program is condensed beside a feedback.
+  kBesideFeedback,
+};
+
+MpcProblem problemOf(std::size_t axis, Moves moves) {
+  MpcProblem problem = parseProblem(polyfly_test::axisProblem(axis), "problem");
+  switch (moves) {
+    case Moves::kFree:
+      break;
+    case Moves::kBlocked:
+      problem.moves = {1, 1, 2, 4, problem.horizon - 8};
+      break;
+    case Moves::kBesideFeedback:
+      problem.P = 1e7 * problem.Q;
+      break;
+  }
   return problem;
 }
 
-/// An axis, and whether its moves are blocked.
-class LookAhead : public testing::TestWithParam<std::tuple<std::size_t, bool>> {
+/// An axis, and what its moves are.
+class LookAhead : public testing::TestWithParam<std::tuple<std::size_t, Moves>> {
  protected:
   LookAhead()
       : number_(std::get<0>(GetParam())),
-        problem_(parseProblem(polyfly_test::axisProblem(number_), "problem")),
-        axis_(onlineAxisLaw(problem_), kAxisNames[number_], MultirotorOptions{}) {
-    if (!std::get<1>(GetParam())) return;
-    problem_ = withMoves(problem_);
-    axis_ = Axis(onlineAxisLaw(problem_), kAxisNames[number_], MultirotorOptions{});
-  }
+        problem_(problemOf(number_, std::get<1>(GetParam()))),
+        axis_(onlineAxisLaw(problem_), kAxisNames[number_], MultirotorOptions{}) {}
 
   double input(const std::vector<AxisReference>& references, const AxisSample& sample, double previous) {
     for (int t = 0; t <= axis_.stages(); ++t) axis_.setStage(t, references[static_cast<std::size_t>(t)]);
@@ -200,7 +216,7 @@ TEST_P(LookAhead, SolvesEquation38WithTheReferenceOfEachStage) {
       references.push_back({within(size), within(size), within(0.5 * size), within(0.5 * size), disturbance});
     const AxisSample sample{within(size), within(size), number_ < 2 ? within(0.2) : 0.0};
     const double previous = within(0.2);
-    const double expected = oracle.solve(references, stateOf(sample), previous);
+    const double expected = oracle.solve(references, stateOf(sample), previous).front();
     EXPECT_NEAR(input(references, sample, previous), expected, kAgreement) << round;
     at_bound +=
         expected > problem_.inputs[0].upper - 1e-9 || expected < problem_.inputs[0].lower + 1e-9 ? 1 : 0;
@@ -229,7 +245,44 @@ TEST_P(LookAhead, ChangesNothingWhereTheReferenceIsFollowed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Axes, LookAhead, testing::Combine(testing::Values(0, 1, 2), testing::Bool()));
+class PlanOfTheLaw : public LookAhead {};
+
+// All inputs that the law plans, with references that stay. Beside a feedback it takes none of the stages.
+TEST_P(PlanOfTheLaw, PlansTheInputsOfTheWholeProgram) {
+  const FullProgram oracle(problem_);
+  const std::unique_ptr<AxisLaw> law = onlineAxisLaw(problem_);
+  EXPECT_EQ(law->takesGradient(), std::get<1>(GetParam()) != Moves::kBesideFeedback);
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> within(-0.5, 0.5);
+  for (int round = 0; round < 10; ++round) {
+    const Eigen::VectorXd x =
+        Eigen::VectorXd::NullaryExpr(problem_.stateCount(), [&] { return within(random); });
+    const double previous = 0.4 * within(random);
+    std::vector<double> theta;
+    for (const MpcProblem::Parameter& parameter : problem_.parameters)
+      theta.push_back(parameter.role == ParameterRole::kError           ? x(parameter.index)
+                      : parameter.role == ParameterRole::kPreviousInput ? previous
+                                                                        : 0.0);
+    const std::vector<AxisReference> references(static_cast<std::size_t>(problem_.horizon) + 1,
+                                                AxisReference{});
+    const std::vector<double> expected = oracle.solve(references, x, previous);
+    double input = 0.0;
+    ASSERT_EQ(law->evaluate(theta.data(), &input).status, LookupStatus::kInside);
+    EXPECT_NEAR(input, expected.front(), kAgreement);
+    for (int t = 0; t < problem_.horizon; ++t) {
+      ASSERT_TRUE(law->planned(t, 0.0, &input));
+      EXPECT_NEAR(input, expected[static_cast<std::size_t>(t)], kAgreement) << t;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Axes, LookAhead,
+                         testing::Combine(testing::Values(0, 1, 2),
+                                          testing::Values(Moves::kFree, Moves::kBlocked)));
+INSTANTIATE_TEST_SUITE_P(Axes, PlanOfTheLaw,
+                         testing::Combine(testing::Values(0, 1, 2),
+                                          testing::Values(Moves::kFree, Moves::kBlocked,
+                                                          Moves::kBesideFeedback)));
 
 TEST(LookAheadOfTheController, ReadsTheReferenceOfEachStageAndNeverAllocates) {
   std::array<MpcProblem, 3> problems;
@@ -259,6 +312,9 @@ TEST(LookAheadOfTheController, ReadsTheReferenceOfEachStageAndNeverAllocates) {
 TEST(LookAheadOfTheController, IsNotOfferedWithBoundedStates) {
   MpcProblem problem = parseProblem(polyfly_test::axisProblem(1), "problem");
   EXPECT_TRUE(StageReferences::supports(problem));
+  problem.terminal_equality = true;
+  EXPECT_FALSE(StageReferences::supports(problem));
+  problem.terminal_equality = false;
   problem.states[1].lower = -2.0;
   EXPECT_FALSE(StageReferences::supports(problem));
 }

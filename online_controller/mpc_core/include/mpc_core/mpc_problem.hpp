@@ -86,12 +86,13 @@ struct MpcProblem {
   std::vector<int> moves;
   /// Bounds on u_k - u_{k-1}, infinite where there are none; empty: none at all.
   std::vector<Signal> changes;
-  Eigen::MatrixXd Q;        ///< nx x nx
-  Eigen::MatrixXd R;        ///< nu x nu
-  Eigen::MatrixXd R_delta;  ///< nu x nu, Eq. 4
-  Eigen::MatrixXd P;        ///< nx x nx, given terminal weight; empty: that of the Riccati equation
-  Eigen::MatrixXd T;        ///< rows x nx, terminal set T e_N <= t; may have no rows
-  Eigen::VectorXd t;        ///< rows
+  Eigen::MatrixXd Q;               ///< nx x nx
+  Eigen::MatrixXd R;               ///< nu x nu
+  Eigen::MatrixXd R_delta;         ///< nu x nu, Eq. 4
+  Eigen::MatrixXd P;               ///< nx x nx, given terminal weight; empty: that of the Riccati equation
+  bool terminal_equality = false;  ///< x_N = x_ref; P is then empty
+  Eigen::MatrixXd T;               ///< rows x nx, terminal set T e_N <= t; may have no rows
+  Eigen::VectorXd t;               ///< rows
   std::vector<StageConstraint> constraints;
   /// theta.
   std::vector<Parameter> parameters;
@@ -152,9 +153,21 @@ Eigen::MatrixXd terminalWeight(const MpcProblem& problem, const DiscreteModel& m
 /// Lengths of the blocks over which u is held: problem.moves, or N times 1.
 std::vector<int> blockLengths(const MpcProblem& problem);
 
-/// Eliminates the states (condensing): z = (u~ of each block, slacks of the soft bounds), theta in the order of
-/// problem.parameters, output u_0 = u_ref + u~_0.
-ParametricProgram condense(const MpcProblem& problem);
+/// u~ of the blocks: on_z z + on_theta theta + constant, where z has no slacks.
+struct InputPlan {
+  Eigen::MatrixXd on_z, on_theta;
+  Eigen::VectorXd constant;
+
+  /// Whether z are the inputs themselves.
+  bool isOfInputs() const noexcept { return on_z.isIdentity(0.0); }
+};
+
+/// Eliminates the states (condensing), in about 32 digits, and rounds once: z = (u~ of each block, slacks of the soft bounds),
+/// theta in the order of problem.parameters, output u_0 = u_ref + u~_0. Where H of the free inputs, with a diagonal of ones,
+/// has a condition above 1e8, v_k takes the place of u~_k = -K_k (e_k, u~_{k-1}) + v_k. K_k are the gains of the problem's
+/// own Riccati recursion, so that H is block diagonal, and bounds of inputs become rows. `plan` tells u~ from z. Throws Error
+/// where rounding may change an input by more than a millionth of its range.
+ParametricProgram condense(const MpcProblem& problem, InputPlan* plan = nullptr);
 
 /// What Eq. 4 costs at z = 0: (theta, 1)' M (theta, 1), which the cost of the program leaves out. p + 1 rows.
 Eigen::MatrixXd costAtZero(const MpcProblem& problem);

@@ -6,18 +6,19 @@
 
 #include "mpc_core/bounded_qp.hpp"
 #include "mpc_core/parametric_program.hpp"
+#include "mpc_core/scaled_program.hpp"
 
 namespace polyfly {
 
 /// A parametric program solved at one parameter after the other, as in flight. Rows with a single entry are bounds of
-/// that variable, the others stay rows. Where H is conditioned too badly for that, the program is solved in its identity
+/// that variable, the others stay rows. It is solved in the units of scaleProgram. Where H is conditioned too badly for that, the program is solved in its identity
 /// form (identity_form.hpp), and all rows stay rows. Each solution starts from the active set of the one before.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread.
 class OnlineProgram {
  public:
   /// H must be positive definite. Throws Error naming the program.
-  explicit OnlineProgram(ParametricProgram program);
+  explicit OnlineProgram(const ParametricProgram& program);
 
   /// Outputs u (program().inputCount() numbers) at theta. Unless kOptimal, u is left alone. `more`, a number for each
   /// variable, is added to the gradient f + F theta; nullptr: nothing.
@@ -49,6 +50,8 @@ class OnlineProgram {
     Eigen::MatrixXd free;          // n x (p + 1), z = free (theta, 1) + L^-T v
   };
 
+  OnlineProgram(const ParametricProgram& program, ScaledProgram scaled);
+
   static std::optional<Transformed> transform(const ParametricProgram& program);
   void sortRows();
   void setBounds(const double* theta) noexcept;
@@ -56,8 +59,8 @@ class OnlineProgram {
   QpStatus solveGiven(const double* theta, const double* more) noexcept;
 
   ParametricProgram program_;
-  // Of the variables. What follows is about the program of z / units_.
-  Eigen::VectorXd units_;
+  // Of the variables and of the gradient. What follows is about the scaled program.
+  Eigen::VectorXd units_, gradient_units_;
   ParametricProgram scaled_;
   std::optional<Transformed> transformed_;
   // Rows that bound one variable; an equality is in both.

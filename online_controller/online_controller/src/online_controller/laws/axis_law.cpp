@@ -38,7 +38,8 @@ class ExplicitAxisLaw final : public AxisLaw {
 
 class OnlineAxisLaw final : public AxisLaw {
  public:
-  explicit OnlineAxisLaw(const MpcProblem& problem) : problem_(problem), program_(condense(problem)) {
+  explicit OnlineAxisLaw(const MpcProblem& problem) : problem_(problem), program_(condense(problem, &plan_)) {
+    planned_ = plan_.constant;
     const std::vector<int> blocks = blockLengths(problem);
     for (std::size_t block = 0; block < blocks.size(); ++block)
       block_of_stage_.insert(block_of_stage_.end(), static_cast<std::size_t>(blocks[block]),
@@ -57,6 +58,7 @@ class OnlineAxisLaw final : public AxisLaw {
     switch (program_.solve(theta, input, gradient_)) {
       case QpStatus::kOptimal:
         lookup.status = LookupStatus::kInside;
+        setPlanned(theta);
         break;
       case QpStatus::kNotFinite:
         lookup.status = LookupStatus::kNotFinite;
@@ -74,22 +76,31 @@ class OnlineAxisLaw final : public AxisLaw {
                ? problem_.horizon
                : 0;
   }
-  bool takesGradient() const noexcept override { return true; }
+  bool takesGradient() const noexcept override { return plan_.isOfInputs(); }
   void setGradient(const double* gradient) noexcept override { gradient_ = gradient; }
   void reset() noexcept override { program_.reset(); }
   bool planned(int stage, double input_reference, double* input) const noexcept override {
     if (problem_.inputCount() != 1) return false;
     const auto last = static_cast<int>(block_of_stage_.size()) - 1;
-    *input = input_reference + program_.z()[block_of_stage_[static_cast<std::size_t>(std::min(stage, last))]];
+    *input = input_reference + planned_(block_of_stage_[static_cast<std::size_t>(std::min(stage, last))]);
     return true;
   }
   double kktResidual() const noexcept override { return program_.solver().kktResidual(); }
   int iterations() const noexcept override { return program_.solver().iterations(); }
 
  private:
+  void setPlanned(const double* theta) noexcept {
+    planned_ = plan_.constant;
+    planned_.noalias() += plan_.on_z * Eigen::Map<const Eigen::VectorXd>(program_.z(), planned_.size());
+    planned_.noalias() += plan_.on_theta * Eigen::Map<const Eigen::VectorXd>(theta, plan_.on_theta.cols());
+  }
+
   MpcProblem problem_;
+  InputPlan plan_;
   OnlineProgram program_;
   const double* gradient_ = nullptr;  // not owned
+  // u~ of the blocks.
+  Eigen::VectorXd planned_;
   std::vector<int> block_of_stage_;
 };
 

@@ -54,7 +54,8 @@ bool looksAhead(const AxisLaw& law, const AxisNames& names) {
     const std::string place = law.place(names.axis) + "parameter " + quoted(names.disturbance_ahead) + ": ";
     if (parameter.role != ParameterRole::kDisturbance) throw Error(place + "must have the role disturbance");
     if (!StageReferences::supports(law.problem()))
-      throw Error(place + "needs a continuous model without bounds on states, constraints and terminal set");
+      throw Error(place +
+                  "needs a continuous model without bounds on states, constraints, terminal set or equality");
     return true;
   }
   return false;
@@ -126,7 +127,12 @@ void Axis::prepareLookAhead(const AxisNames& names) {
   }
   stage_references_.emplace(problem, targets);
   if (law_->takesGradient()) return;
-  const ParametricProgram program = condense(problem);
+  InputPlan plan;
+  const ParametricProgram program = condense(problem, &plan);
+  if (!plan.isOfInputs())
+    throw Error(
+        law_->place(names.axis) + "parameter " + quoted(names.disturbance_ahead) +
+        ": needs a lesser terminal weight or a shorter horizon, so that the variables are the inputs");
   const Eigen::LLT<Eigen::MatrixXd> factor(program.H);
   const auto ahead = std::find_if(program.parameters.begin(), program.parameters.end(),
                                   [&](const Signal& p) { return p.name == names.disturbance_ahead; });

@@ -68,7 +68,8 @@ struct Recursion {
 bool StageReferences::supports(const MpcProblem& problem) {
   if (problem.minimum_peak || problem.inputCount() != 1) return false;
   // What bounds errors would move with the references.
-  if (problem.discrete || !problem.constraints.empty() || problem.T.rows() > 0) return false;
+  if (problem.discrete || problem.terminal_equality || !problem.constraints.empty() || problem.T.rows() > 0)
+    return false;
   return std::none_of(problem.states.begin(), problem.states.end(), [](const Signal& state) {
     return std::isfinite(state.lower) || std::isfinite(state.upper);
   });

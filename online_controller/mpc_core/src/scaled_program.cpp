@@ -1,18 +1,20 @@
-#include "program/scaled_program.hpp"
+#include "mpc_core/scaled_program.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
-#include "program/program_rows.hpp"
-#include "program/tolerances.hpp"
+#include "mpc_core/identity_form.hpp"
 
 namespace polyfly {
 namespace {
 
 // Rounds of the fit.
 constexpr int kFitRounds = 12;
+// Weight by which the size of a variable that no bound gives one is that of its unit.
+constexpr double kFreeSize = 1e-9;
 
 /// Greatest |value| of each row of M theta + v in the box.
 Eigen::VectorXd sizeInBox(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
@@ -57,7 +59,7 @@ std::vector<std::vector<Entry>> entriesOf(const ParametricProgram& program) {
 Eigen::VectorXd fitSizes(std::vector<std::vector<Entry>> rows, Eigen::Index n) {
   Eigen::VectorXd s = Eigen::VectorXd::Zero(n + 1);
   for (int round = 0; n > 0 && round < kFitRounds; ++round) {
-    Eigen::MatrixXd normal = tolerance::kFreeSize * Eigen::MatrixXd::Identity(n + 1, n + 1);
+    Eigen::MatrixXd normal = kFreeSize * Eigen::MatrixXd::Identity(n + 1, n + 1);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(n + 1);
     for (const std::vector<Entry>& row : rows) {
       double total = 0.0, mean = 0.0;
@@ -124,11 +126,13 @@ double distanceOfRows(const ParametricProgram& program) {
   const Eigen::VectorXd offset = factor.solve(program.f);
   const Eigen::VectorXd slack =
       sizeInBox(program.S + program.A * slopes, program.b + program.A * offset, program);
+  const auto is_equality = [&](Eigen::Index row) {
+    return std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end();
+  };
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < slack.size(); ++i) {
     const double length = factor.matrixL().solve(program.A.row(i).transpose()).norm();
-    if (!isEquality(program, static_cast<int>(i)) && length > 0.0 && slack(i) > 0.0)
-      distances.push_back(slack(i) / length);
+    if (!is_equality(i) && length > 0.0 && slack(i) > 0.0) distances.push_back(slack(i) / length);
   }
   if (distances.empty()) return 0.0;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -136,49 +140,78 @@ double distanceOfRows(const ParametricProgram& program) {
   return *middle;
 }
 
-// An even power, so that the root of H is multiplied by a power of two. Where H is definite, rows are then about 1 away from
-// the unconstrained minimiser: their distances decide what is active, and tolerances of them are absolute.
-void scaleCost(ParametricProgram& program) {
+/// The program in z / 2^exponents.
+void scaleVariables(ScaledProgram& scaled, const std::vector<int>& exponents) {
+  ParametricProgram& program = scaled.program;
+  scaleColumns(program.A, exponents);
+  scaleColumns(program.E, exponents);
+  scaleRows(program.H, exponents);
+  scaleColumns(program.H, exponents);
+  scaleRows(program.F, exponents);
+  scaleRows(program.f, exponents);
+  std::transform(exponents.begin(), exponents.end(), scaled.variables.begin(), scaled.variables.begin(),
+                 std::plus<int>());
+}
+
+void scaleCost(ScaledProgram& scaled, int exponent) {
+  const std::vector<int> all(scaled.variables.size(), exponent);
+  scaleRows(scaled.program.H, all);
+  scaleRows(scaled.program.F, all);
+  scaleRows(scaled.program.f, all);
+  scaled.cost += exponent;
+}
+
+/// Exponents of the sizes, as binary logarithms.
+std::vector<int> exponentsOf(const Eigen::VectorXd& sizes) {
+  std::vector<int> result;
+  for (const double size : sizes) result.push_back(static_cast<int>(std::lround(size)));
+  return result;
+}
+
+/// Of variables by the curvature of the cost; then all by the distance of the rows, which decides what is active, and of which
+/// tolerances are absolute.
+void scaleDefinite(ScaledProgram& scaled) {
+  scaleVariables(scaled, exponentsOf(-0.5 * scaled.program.H.diagonal().array().log2().matrix()));
+  const int distance = exponentOf(distanceOfRows(scaled.program));
+  scaleVariables(scaled, std::vector<int>(scaled.variables.size(), distance));
+  scaleCost(scaled, -2 * distance);
+}
+
+/// By the rows. The cost is multiplied by an even power, so that a root of H is multiplied by a power of two.
+void scaleByRows(ScaledProgram& scaled) {
+  ParametricProgram& program = scaled.program;
+  scaleVariables(scaled, exponentsOf(fitSizes(entriesOf(program), program.A.cols())));
   const double curvature = program.H.size() > 0 ? program.H.diagonal().maxCoeff() : 0.0;
   const Eigen::VectorXd slopes = sizeInBox(program.F, program.f, program);
-  const double distance = curvature > 0.0 ? distanceOfRows(program) : 0.0;
-  const int exponent = distance > 0.0 ? 2 * exponentOf(distance)
-                                      : exponentOf(curvature > 0.0     ? curvature
-                                                   : slopes.size() > 0 ? slopes.maxCoeff()
-                                                                       : 0.0);
-  const std::vector<int> all(static_cast<std::size_t>(program.H.rows()), -(exponent - exponent % 2));
-  scaleRows(program.H, all);
-  scaleRows(program.F, all);
-  scaleRows(program.f, all);
+  const int exponent = exponentOf(curvature > 0.0 ? curvature : slopes.size() > 0 ? slopes.maxCoeff() : 0.0);
+  scaleCost(scaled, exponent % 2 - exponent);
+}
+
+void scaleOutputs(ScaledProgram& scaled) {
+  ParametricProgram& program = scaled.program;
+  const Eigen::VectorXd offsets = sizeInBox(program.C, program.c, program);
+  std::vector<int> inverse;
+  for (Eigen::Index i = 0; i < offsets.size(); ++i) {
+    const double free = program.E.cols() > 0 ? program.E.row(i).cwiseAbs().maxCoeff() : 0.0;
+    scaled.outputs.push_back(exponentOf(std::max(free, offsets(i))));
+    inverse.push_back(-scaled.outputs.back());
+  }
+  scaleRows(program.E, inverse);
+  scaleRows(program.C, inverse);
+  scaleRows(program.c, inverse);
 }
 
 }  // namespace
 
 ScaledProgram scaleProgram(const ParametricProgram& program) {
-  ScaledProgram result{program, {}, {}};
-  ParametricProgram& scaled = result.program;
-  const Eigen::VectorXd sizes = fitSizes(entriesOf(program), program.A.cols());
-  for (Eigen::Index j = 0; j < sizes.size(); ++j)
-    result.variables.push_back(static_cast<int>(std::lround(sizes[j])));
-  scaleColumns(scaled.A, result.variables);
-  scaleColumns(scaled.E, result.variables);
-  scaleRows(scaled.H, result.variables);
-  scaleColumns(scaled.H, result.variables);
-  scaleRows(scaled.F, result.variables);
-  scaleRows(scaled.f, result.variables);
-  scaleRowsOfProgram(scaled);
-  scaleCost(scaled);
-  const Eigen::VectorXd offsets = sizeInBox(scaled.C, scaled.c, program);
-  std::vector<int> inverse;
-  for (Eigen::Index i = 0; i < offsets.size(); ++i) {
-    const double free = scaled.E.cols() > 0 ? scaled.E.row(i).cwiseAbs().maxCoeff() : 0.0;
-    result.outputs.push_back(exponentOf(std::max(free, offsets(i))));
-    inverse.push_back(-result.outputs.back());
-  }
-  scaleRows(scaled.E, inverse);
-  scaleRows(scaled.C, inverse);
-  scaleRows(scaled.c, inverse);
-  return result;
+  ScaledProgram scaled{program, std::vector<int>(static_cast<std::size_t>(program.A.cols()), 0), {}, 0};
+  if (choleskyRoot(wide(program.H)))
+    scaleDefinite(scaled);
+  else
+    scaleByRows(scaled);
+  scaleRowsOfProgram(scaled.program);
+  scaleOutputs(scaled);
+  return scaled;
 }
 
 }  // namespace polyfly

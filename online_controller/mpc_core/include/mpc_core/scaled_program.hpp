@@ -14,10 +14,13 @@ struct ScaledProgram {
   std::vector<int> variables;
   /// Output i of the source is 2^outputs[i] times that of `program`.
   std::vector<int> outputs;
+  /// The cost of `program` is 2^cost times that of the source.
+  int cost = 0;
 };
 
-/// Units in which `program` does not depend on those of its file: each variable is measured by the size that the rows and
-/// the box of parameters give it.
+/// Units in which `program` does not depend on those of its file. Where H is positive definite, its diagonal is about 1, and
+/// rows are about 1 away from the unconstrained minimiser. Else each variable is measured by the size that the rows and the
+/// box of parameters give it.
 ScaledProgram scaleProgram(const ParametricProgram& program);
 
 }  // namespace polyfly
