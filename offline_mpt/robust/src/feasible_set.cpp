@@ -135,11 +135,7 @@ class Projection {
   }
 
   std::optional<FeasibleSet::Facet> testInFloat(const HomogeneousPoint& point) {
-    RationalVector y;
-    for (std::size_t j = 1; j < point.size(); ++j) {
-      y.emplace_back(point[j], point[0]);
-      y.back().canonicalize();
-    }
+    const RationalVector y = pointOf(point);
     ++result_.stats.linear_programs;
     const DualSimplex::Status status = gauge_.solve(rounded(y) - centre_);
     const std::vector<ScenarioLp::Tight> tight = gauge_.tight();
@@ -219,21 +215,17 @@ class Projection {
       const DoubleDescription::Ray& ray = cone_.rays()[r];
       if (!isVertex(ray)) continue;
       FeasibleSet::Vertex vertex;
-      for (std::size_t j = 1; j < ray.value.size(); ++j) {
-        vertex.y.emplace_back(ray.value[j], ray.value[0]);
-        vertex.y.back().canonicalize();
-      }
+      vertex.y = pointOf(ray.value);
       for (std::size_t k = 0; k < kept.size(); ++k) {
         if (on[kept[k]].test(r)) vertex.facets.push_back(static_cast<int>(k));
       }
       const auto found = tested_.find(ray.value);
       if (found != tested_.end() && found->second.proven) {
         ++result_.stats.vertices_proven;
-        const Integer denominator = found->second.prediction.denominator * ray.value[0];
-        for (const Integer& value : found->second.prediction.numerators) {
-          vertex.prediction.emplace_back(value, denominator);
-          vertex.prediction.back().canonicalize();
-        }
+        std::vector<Integer> z{found->second.prediction.denominator * ray.value[0]};
+        z.insert(z.end(), found->second.prediction.numerators.begin(),
+                 found->second.prediction.numerators.end());
+        vertex.prediction = pointOf(z);
       }
       result_.vertices.push_back(std::move(vertex));
     }

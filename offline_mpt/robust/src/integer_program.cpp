@@ -54,12 +54,6 @@ Integer dotPoint(const std::vector<Integer>& row, const HomogeneousPoint& y) {
 
 }  // namespace
 
-std::vector<Integer> coneRow(const ExactHalfSpace& half_space) {
-  RationalVector row{half_space.b};
-  for (const Rational& value : half_space.a) row.push_back(-value);
-  return wholeNumbers(row);
-}
-
 IntegerProgram::IntegerProgram(const RobustProgram& program)
     : law_size_(program.lawSize()), prediction_count_(program.prediction_count) {
   for (const RobustProgram::Row& row : program.rows) rows_.push_back(wholeRow(row));

@@ -68,7 +68,4 @@ class IntegerProgram {
 std::optional<FeasibleSet::Facet> exactCut(const IntegerProgram& program, const HomogeneousPoint& y,
                                            const std::vector<Scenario>& start, CommonFraction& prediction);
 
-/// a . y <= b as a row of the cone over (1, y).
-std::vector<Integer> coneRow(const ExactHalfSpace& half_space);
-
 }  // namespace polyfly
