@@ -9,7 +9,7 @@
 #include "polyfly_test/multirotor_plant.hpp"
 #include "project_root.hpp"
 #include "recorded_flight.hpp"
-#include "robust_mpc/online_law.hpp"
+#include "robust_mpc/online_lp.hpp"
 #include "validation/report.hpp"
 #include "validation/validation.hpp"
 

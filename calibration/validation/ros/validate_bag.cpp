@@ -16,7 +16,7 @@
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "region_maps/region_map.hpp"
-#include "robust_mpc/online_law.hpp"
+#include "robust_mpc/online_lp.hpp"
 #include "validation/controller_options.hpp"
 #include "validation/flight_pages.hpp"
 #include "validation/map_comparison.hpp"

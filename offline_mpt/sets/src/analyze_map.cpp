@@ -125,16 +125,12 @@ class Analysis {
   }
 
   RegionStep stepOf(std::size_t region) const {
-    const int p = regions_.parameters(), m = model_.G.columns();
-    const double* law = map_.law(map_.region(region).law);
-    RegionStep step{model_.F, model_.c};
-    for (int k = 0; k < m; ++k) {
-      for (int i = 0; i < p; ++i) {
-        if (model_.G(i, k) == 0) continue;
-        for (int j = 0; j < p; ++j) step.M(i, j) += model_.G(i, k) * Rational(law[k * (p + 1) + j]);
-        step.m[static_cast<std::size_t>(i)] += model_.G(i, k) * Rational(law[k * (p + 1) + p]);
-      }
-    }
+    const int p = regions_.parameters(), m = static_cast<int>(model_.G.cols());
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> law(
+        map_.law(map_.region(region).law), m, p + 1);
+    const RationalMatrix by_input = model_.G * exactly(law);
+    RegionStep step{model_.F + by_input.leftCols(p), model_.c};
+    for (int i = 0; i < p; ++i) step.m[static_cast<std::size_t>(i)] += by_input(i, p);
     return step;
   }
 

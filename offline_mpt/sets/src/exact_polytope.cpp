@@ -21,6 +21,12 @@ std::vector<Integer> coneRow(const ExactHalfSpace& row) {
   return wholeNumbers(values);
 }
 
+std::vector<Integer> homogeneous(const RationalVector& point) {
+  RationalVector values{Rational(1)};
+  values.insert(values.end(), point.begin(), point.end());
+  return wholeNumbers(values);
+}
+
 RationalVector pointOf(const std::vector<Integer>& ray) {
   RationalVector result;
   for (std::size_t j = 1; j < ray.size(); ++j) {

@@ -11,7 +11,7 @@ class RegionMap;
 using OnlineOracle = std::function<std::optional<double>(const double* theta)>;
 
 /// Oracles for problems that this library does not solve itself, which are those of a minimum-peak robust MPC. They
-/// need linear programs, which nothing that flies links (robust_mpc/online_law.hpp makes them). An empty one: that
+/// need linear programs, which nothing that flies links (robust_mpc/online_lp.hpp makes them). An empty one: that
 /// map's answers are not compared.
 using OracleMaker = std::function<OnlineOracle(const RegionMap&)>;
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "robust_mpc/robust_program.hpp"
 
@@ -27,6 +30,10 @@ class OnlineLp {
   /// which a position output magnifies by 1 / (C B). Throws Error when the simplex method does not end.
   Answer solve(const Eigen::VectorXd& theta);
 
+  /// The input u_0 that is applied, u~_0 with what references add: theta in the order of the problem's parameters. None where no
+  /// plan meets all bounds.
+  std::optional<double> input(const double* theta);
+
   struct ExactAnswer {
     bool feasible = false;
     Rational peak;
@@ -41,5 +48,10 @@ class OnlineLp {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// OnlineLp::input behind a function, from the text that a map carries; empty when that is no robust problem. A validation
+/// compares a map with it. Throws Error.
+std::function<std::optional<double>(const double*)> onlineRobustLaw(const std::string& text,
+                                                                    const std::string& source);
 
 }  // namespace polyfly

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -35,7 +36,7 @@ class ExactMap {
 
   const RegionMap& map() const { return map_; }
   int p() const;
-  Eigen::VectorXd theta(const std::vector<Rational>& t) const;  ///< rounded
+  Eigen::VectorXd theta(const std::vector<Rational>& t) const { return ranges_.theta(t); }  ///< rounded
 
  private:
   enum Variant : std::size_t { kRow, kRelaxed, kOutside, kVariants };
@@ -53,13 +54,10 @@ class ExactMap {
 /// The row value (t, 1) >= 0, in whole numbers.
 ExactRow wholeRow(const std::vector<Rational>& value);
 
-/// A polytope with a point strictly inside; or one that may have no interior, with a point that is off by
-/// rounding at most.
+/// A polytope with a point strictly inside.
 struct ExactCell {
   std::vector<const ExactRow*> rows;
   std::vector<Rational> point;
-  /// Whether the point is known to lie strictly inside.
-  bool certain = true;
 };
 
 /// Cuts of a proof are nested less deeply. The checker refuses others.
@@ -102,14 +100,12 @@ class ProofWriter {
   std::string text_;
 };
 
-/// The cell of a region; false when it has no interior.
-bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell);
-
-/// Finds a point strictly inside; false when there is none.
-bool makeCertain(const ExactMap& map, ExactCell& cell);
+/// The cell of a region, and within `sides`; false when it has no interior.
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell,
+            const std::deque<ExactRow>& sides = {});
 
 /// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
-/// Parts without interior may be left out: they belong to the closure of the others. False when stopped.
+/// Parts without interior are left out: they belong to the closure of the others. False when stopped.
 /// `leaf` is its index in the map.
 using LeafVisit = std::function<bool(std::uint32_t leaf, const ExactCell& part)>;
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, ProofWriter& log);
@@ -122,7 +118,7 @@ enum class CutBy : char {
 };
 
 /// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,
-/// until it returns false. Each has a point strictly inside, unless it is uncertain. False when stopped.
+/// until it returns false. False when stopped.
 using RestVisit = std::function<bool(const ExactCell& rest)>;
 bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,
               const RestVisit& visit, ProofWriter& log);
