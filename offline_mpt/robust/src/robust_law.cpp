@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "arithmetic/exact_matrix.hpp"
 #include "polytope_sets/double_description.hpp"
 #include "rational_parts.hpp"
 
@@ -170,18 +169,13 @@ class Enumeration {
     return RationalVector(corner.y.begin(), corner.y.begin() + np_);
   }
 
-  /// Whether the differences to the first corner span all dimensions: any multiples of them will do.
+  /// Whether no direction is left that is orthogonal to all (1, theta).
   bool hasFullDimension(const std::vector<Corner>& corners) const {
-    if (corners.size() <= at(np_)) return false;
-    IntegerMatrix differences(static_cast<int>(corners.size()) - 1, np_);
-    for (int c = 0; c < differences.rows(); ++c) {
-      RationalVector difference;
-      for (std::size_t k = 0; k < at(np_); ++k)
-        difference.push_back(corners[at(c) + 1].y[k] - corners[0].y[k]);
-      const std::vector<Integer> row = wholeNumbers(difference);
-      for (int k = 0; k < np_; ++k) differences(c, k) = row[at(k)];
-    }
-    return independentRows(std::move(differences)).size() == at(np_);
+    DoubleDescription left(np_ + 1);
+    return std::any_of(corners.begin(), corners.end(), [&](const Corner& corner) {
+      left.add(homogeneous(parametersOf(corner)), true);
+      return left.lines().empty();
+    });
   }
 
   template <typename LawOf>

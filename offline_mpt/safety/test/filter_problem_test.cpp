@@ -121,7 +121,7 @@ class ChangedFilters {
       addGreater([=](FilterProblem& problem, double change) { problem.k.entries[k] -= change; });
     for (checker::BallMatrix FilterProblem::*part : {&FilterProblem::A, &FilterProblem::B}) {
       for (std::size_t i = 0; i < (right_.*part).rows(); ++i)
-        for (std::size_t j = 0; j < (right_.*part).cols(); ++j)
+        for (std::size_t j = 0; j < (right_.*part).columns(); ++j)
           add([=](FilterProblem& problem, double change) { enlarge(problem.*part, i, j, change); });
     }
     for (std::size_t i = 0; i < right_.B_d.rows(); ++i)

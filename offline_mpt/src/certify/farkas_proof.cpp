@@ -209,6 +209,11 @@ Interior findExactly(const Rows& rows, const ExactRow* on, int p, const std::vec
   return result;
 }
 
+FastInterior exactGuess(Interior interior, std::vector<Rational>& point) {
+  point = std::move(interior.point);
+  return interior.exists ? FastInterior::kExists : FastInterior::kNone;
+}
+
 }  // namespace
 
 bool proves(const FarkasProof& proof, const Rows& rows, const ExactRow& target) {
@@ -267,6 +272,27 @@ bool strictlyInside(const std::vector<Rational>& t, const Rows& rows, const Exac
   if (std::any_of(t.begin(), t.end(), [](const Rational& value) { return abs(value) >= 1; })) return false;
   if (on != nullptr && valueAt(*on, t) != 0) return false;
   return std::all_of(rows.begin(), rows.end(), [&](const ExactRow* row) { return valueAt(*row, t) > 0; });
+}
+
+FastInterior findInteriorFast(const Rows& rows, int p, std::vector<Rational>& point) {
+  FloatLp solver(p + 1);
+  switch (guessInterior(rows, nullptr, p, solver)) {
+    case FloatLp::Status::kOptimal:
+      point = onPlane(solver.x(), nullptr, p);
+      if (solver.objective() > tolerance::kInteriorRadius && strictlyInside(point, rows, nullptr))
+        return FastInterior::kExists;
+      break;
+    case FloatLp::Status::kInfeasible:
+      point.clear();
+      break;
+    case FloatLp::Status::kFailed:
+      return exactGuess(findExactly(rows, nullptr, p, solver.basis()), point);
+  }
+  FarkasProof proof = emptyByRounding(solver, rows, nullptr, kLongBits);
+  if (provesEmpty(proof, rows, nullptr) || emptyByBasis(solver, rows, nullptr, p, proof))
+    return FastInterior::kNone;
+  return point.empty() ? exactGuess(findExactly(rows, nullptr, p, solver.basis()), point)
+                       : FastInterior::kUnknown;
 }
 
 Interior findInterior(const Rows& rows, const ExactRow* on, int p) {

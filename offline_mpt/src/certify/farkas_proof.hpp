@@ -41,6 +41,11 @@ struct Interior {
 };
 Interior findInterior(const std::vector<const ExactRow*>& rows, const ExactRow* on, int p);
 
+/// As findInterior on no plane, without the long way where rounding leaves the answer open: kUnknown, with a
+/// point that is off by rounding at most. The proof is not kept.
+enum class FastInterior : std::uint8_t { kExists, kNone, kUnknown };
+FastInterior findInteriorFast(const std::vector<const ExactRow*>& rows, int p, std::vector<Rational>& point);
+
 /// Whether the proof shows that rows cannot all be > 0 inside the box, on the plane of `on`.
 bool provesEmpty(const FarkasProof& proof, const std::vector<const ExactRow*>& rows, const ExactRow* on);
 

@@ -49,6 +49,9 @@ class MapComparison {
     const int p = first_.exact().p();
     // Most pairs are well apart, and need no exact number.
     if (upperBound(rows, std::vector<double>(static_cast<std::size_t>(p))) < 0.0) return false;
+    std::vector<Rational> point;
+    const FastInterior fast = findInteriorFast(rows, p, point);
+    if (fast != FastInterior::kUnknown) return fast == FastInterior::kExists;
     return findInterior(rows, nullptr, p).exists;
   }
 
@@ -130,7 +133,9 @@ class CoverCheck {
             std::vector<Rational>& witness) const {
     ProofWriter log;
     const auto visit = [&](const ExactCell& rest) {
-      witness = rest.point;
+      ExactCell settled = rest;
+      if (!makeCertain(map_.exact(), settled)) return true;
+      witness = settled.point;
       return false;
     };
     return subtract(map_.exact(), cell, regions, CutBy::kOriginal, visit, log);

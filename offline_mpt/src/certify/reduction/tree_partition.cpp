@@ -25,16 +25,19 @@ bool findPoint(Cell& cell, int p) {
   return interior.exists;
 }
 
-/// The part of the cell where `row` is positive; false when it has no interior.
+/// The part of the cell where `row` is positive; false when that is known to have no interior.
 bool cut(const Cell& cell, const ExactRow& row, int p, Cell& part) {
   part.rows = cell.rows;
   part.rows.push_back(&row);
+  part.certain = cell.certain;
   if (valueAt(row, cell.point) > 0) {
     part.point = cell.point;
     return true;
   }
   if (isConstant(row)) return false;
-  return findPoint(part, p);
+  const FastInterior guess = findInteriorFast(part.rows, p, part.point);
+  part.certain = guess == FastInterior::kExists;
+  return guess != FastInterior::kNone;
 }
 
 bool has(const Cell& cell, const ExactRow& row) {
@@ -146,7 +149,8 @@ class Subtractor {
       const RegionView view = map_.map().region(candidate);
       ExactRows rows = cell.rows;
       for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i]));
-      if (!findInterior(rows, nullptr, map_.p()).exists) continue;
+      std::vector<Rational> point;
+      if (findInteriorFast(rows, map_.p(), point) == FastInterior::kNone) continue;
       region = candidate;
       return true;
     }
@@ -218,6 +222,11 @@ bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell, const st
   }
   for (const ExactRow& side : sides) cell.rows.push_back(&side);
   return findPoint(cell, map.p());
+}
+
+bool makeCertain(const ExactMap& map, ExactCell& cell) {
+  cell.certain = cell.certain || findPoint(cell, map.p());
+  return cell.certain;
 }
 
 ProofWriter::Nested::Nested(ProofWriter& log) : log_(log) {

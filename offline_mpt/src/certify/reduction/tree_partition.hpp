@@ -54,10 +54,13 @@ class ExactMap {
 /// The row value (t, 1) >= 0, in whole numbers.
 ExactRow wholeRow(const std::vector<Rational>& value);
 
-/// A polytope with a point strictly inside.
+/// A polytope with a point strictly inside; or one that may have no interior, with a point that is off by
+/// rounding at most.
 struct ExactCell {
   std::vector<const ExactRow*> rows;
   std::vector<Rational> point;
+  /// Whether the point is known to lie strictly inside.
+  bool certain = true;
 };
 
 /// Cuts of a proof are nested less deeply. The checker refuses others.
@@ -104,8 +107,11 @@ class ProofWriter {
 bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell,
             const std::deque<ExactRow>& sides = {});
 
+/// Finds a point strictly inside; false when there is none.
+bool makeCertain(const ExactMap& map, ExactCell& cell);
+
 /// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
-/// Parts without interior are left out: they belong to the closure of the others. False when stopped.
+/// Parts without interior may be left out: they belong to the closure of the others. False when stopped.
 /// `leaf` is its index in the map.
 using LeafVisit = std::function<bool(std::uint32_t leaf, const ExactCell& part)>;
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, ProofWriter& log);
@@ -118,7 +124,7 @@ enum class CutBy : char {
 };
 
 /// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,
-/// until it returns false. False when stopped.
+/// until it returns false. Each has a point strictly inside, unless it is uncertain. False when stopped.
 using RestVisit = std::function<bool(const ExactCell& rest)>;
 bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,
               const RestVisit& visit, ProofWriter& log);

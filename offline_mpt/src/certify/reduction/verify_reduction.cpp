@@ -122,10 +122,11 @@ class ReductionProof {
         (laws_.same(reduced_.map().region(candidate).law, law) ? own : others).push_back(candidate);
       }
       const auto rest = [&](const ExactCell& sliver) {
-        if (leftToOthers(sliver, others, 0, near, finding)) return true;
-        report(finding, ReductionDefect::Kind::kLost, region, sliver);
+        ExactCell settled = sliver;
+        if (isEmpty(settled, finding) || leftToOthers(settled, others, 0, near, finding)) return true;
+        report(finding, ReductionDefect::Kind::kLost, region, settled);
         finding.defects.back().leaf = static_cast<int>(index);
-        finding.defects.back().missing = holdersOf(law, sliver);
+        finding.defects.back().missing = holdersOf(law, settled);
         return finding.defects.size() < kMostLost;
       };
       return subtract(reduced_, part, own, CutBy::kCandidate, rest, finding.log);
@@ -155,6 +156,13 @@ class ReductionProof {
     return finding;
   }
 
+  /// Whether the cell has no interior; then the log says why.
+  bool isEmpty(ExactCell& cell, Finding& finding) const {
+    if (makeCertain(original_, cell)) return false;
+    finding.log.empty('e', cell.rows, original_.p());
+    return true;
+  }
+
   /// Regions of the reduced map with a law of the original that hold the cell's point within the slack.
   std::vector<std::uint32_t> holdersOf(std::uint32_t law, const ExactCell& cell) const {
     std::vector<std::uint32_t> result;
@@ -172,7 +180,10 @@ class ReductionProof {
   /// the original with its law.
   bool leftToOthers(const ExactCell& cell, const std::vector<std::uint32_t>& candidates, std::size_t next,
                     double near, Finding& finding) const {
-    if (next == candidates.size()) return false;
+    if (next == candidates.size()) {
+      ExactCell rest = cell;
+      return isEmpty(rest, finding);
+    }
     const RestVisit rest = [&](const ExactCell& part) {
       return leftToOthers(part, candidates, next + 1, near, finding);
     };
@@ -199,11 +210,16 @@ class ReductionProof {
   /// for in all regions about.
   bool belongs(std::uint32_t region, const ExactCell& cell, double near, Finding& finding) const {
     const std::uint32_t law = reduced_.map().region(region).law;
+    RestVisit sliver;
     const RestVisit foreign = [&](const ExactCell& rest) {
+      if (!rest.certain) {
+        ExactCell settled = rest;
+        return isEmpty(settled, finding) || sliver(settled);
+      }
       report(finding, ReductionDefect::Kind::kClaim, region, rest);
       return false;
     };
-    const RestVisit sliver = [&](const ExactCell& rest) {
+    sliver = [&](const ExactCell& rest) {
       return subtract(original_, rest, nearRegions(law, rest, near), CutBy::kOriginal, foreign, finding.log);
     };
     const auto check = [&](std::uint32_t index, const ExactCell& part) {
