@@ -9,7 +9,7 @@
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
-#include "robust_mpc/online_law.hpp"
+#include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "signals.hpp"
 #include "stopwatch.hpp"
@@ -96,7 +96,7 @@ ExitCode solveRobust(const SolveTask& task) {
   tree.node_limit = task.tree_nodes;
   const MapContent content = encode(rounded.program, rounded.partition, tree);
   const double encode_time = watch.lap();
-  OnlineRobustLaw online(problem);
+  OnlineLp online(problem);
   const AnswerCheck check = checkAnswers(content, [&](const double* theta) { return online.input(theta); });
   const double check_time = watch.lap();
   ignoreSignals();

@@ -1,4 +1,4 @@
-// How the comparison of maps leaves out pairs: against all pairs, and against exact maxima.
+// How the comparison of maps leaves out pairs: against exact maxima.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -7,7 +7,6 @@
 
 #include "certify/farkas_proof.hpp"
 #include "certify/reduction/tree_partition.hpp"
-#include "diff/box_tree.hpp"
 #include "diff/linear_maximum.hpp"
 
 namespace polyfly {
@@ -15,41 +14,6 @@ namespace {
 
 // The bound of a maximum that is reached: rounding of the linear program, and what is added for it.
 constexpr double kLooseness = 1e-9;
-
-/// Corners are small whole numbers, so that many boxes touch, or are equal; some are flat.
-Box randomBox(std::size_t p, std::mt19937& random) {
-  Box box;
-  for (std::size_t j = 0; j < p; ++j) {
-    const double corner = random() % 12;
-    box.lower.push_back(corner);
-    box.upper.push_back(corner + random() % 4);
-  }
-  return box;
-}
-
-TEST(BoxTree, FindsWhatAllPairsGive) {
-  std::mt19937 random(3);
-  for (const std::size_t count : {0u, 1u, 8u, 9u, 400u}) {
-    for (const std::size_t p : {1u, 3u}) {
-      std::vector<Box> boxes;
-      std::vector<const Box*> pointers;
-      for (std::size_t i = 0; i < count; ++i) boxes.push_back(randomBox(p, random));
-      for (const Box& box : boxes) pointers.push_back(&box);
-      const BoxTree tree(pointers);
-      for (int k = 0; k < 50; ++k) {
-        const Box box = randomBox(p, random);
-        std::vector<std::uint32_t> expected;
-        for (std::size_t i = 0; i < count; ++i) {
-          bool meet = true;
-          for (std::size_t j = 0; j < p; ++j)
-            meet = meet && box.lower[j] < boxes[i].upper[j] && boxes[i].lower[j] < box.upper[j];
-          if (meet) expected.push_back(static_cast<std::uint32_t>(i));
-        }
-        EXPECT_EQ(tree.meeting(box), expected);
-      }
-    }
-  }
-}
 
 /// Half-spaces with whole numbers of random size, the first ones around the origin where `around`.
 std::deque<ExactRow> randomRows(std::size_t p, bool around, std::mt19937& random) {

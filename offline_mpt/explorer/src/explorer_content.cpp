@@ -22,13 +22,6 @@ std::vector<double> rowMajor(const Eigen::MatrixXd& matrix) {
   return numbers;
 }
 
-Eigen::MatrixXd toDouble(const RationalMatrix& matrix) {
-  Eigen::MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i)
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = matrix(i, j).get_d();
-  return result;
-}
-
 /// The text must be that of the map: the same parameters in the same order, and inputs that the map has.
 void checkSignals(const RegionMap& map, const std::vector<Signal>& parameters,
                   const std::vector<Signal>& inputs) {
@@ -111,8 +104,8 @@ void addRobust(const RegionMap& map, const std::string& text, const std::string&
   ExplorerModel model;
   model.period = problem.sampling_time;
   model.input_count = problem.inputs.size();
-  model.A = rowMajor(toDouble(problem.A));
-  model.B = rowMajor(toDouble(problem.B));
+  model.A = rowMajor(toDoubles(problem.A));
+  model.B = rowMajor(toDoubles(problem.B));
   for (const int error : problem.errorParameters()) model.errors.push_back(static_cast<std::size_t>(error));
   Eigen::MatrixXd U = Eigen::MatrixXd::Zero(problem.inputCount(), problem.parameterCount());
   for (Eigen::Index j = 0; j < U.cols(); ++j) {
@@ -123,7 +116,7 @@ void addRobust(const RegionMap& map, const std::string& text, const std::string&
   }
   model.U = rowMajor(U);
   // G counts in half widths; the drift is the effect of the middle of the range.
-  Eigen::MatrixXd G = toDouble(problem.G);
+  Eigen::MatrixXd G = toDoubles(problem.G);
   for (Eigen::Index k = 0; k < G.cols(); ++k) {
     const Signal& signal = problem.disturbances[static_cast<std::size_t>(k)];
     const double half = 0.5 * (signal.upper - signal.lower);
@@ -152,8 +145,8 @@ void addFilter(const RegionMap& map, const std::string& text, const std::string&
   ExplorerModel model;
   model.period = problem.sampling_time;
   model.input_count = problem.inputs.size();
-  model.A = rowMajor(toDouble(sampled.A));
-  model.B = rowMajor(toDouble(sampled.B));
+  model.A = rowMajor(toDoubles(sampled.A));
+  model.B = rowMajor(toDoubles(sampled.B));
   for (std::size_t j = 0; j < static_cast<std::size_t>(sampled.stateCount()); ++j) model.errors.push_back(j);
   model.U = rowMajor(Eigen::MatrixXd::Zero(problem.inputCount(), program.parameterCount()));
   content->model = model;

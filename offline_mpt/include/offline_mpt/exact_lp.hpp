@@ -35,8 +35,10 @@ class ExactLp {
     kUnbounded,   ///< primal(): a feasible point, primalRay(): a direction to follow from there
   };
 
-  int addRows(int count);     ///< free rows of zeros; returns the index of the first
-  int addColumns(int count);  ///< columns >= 0 of cost zero, as in a standard form; returns the first index
+  /// Free rows of zeros; returns the index of the first.
+  int addRows(int count);
+  /// Columns of cost zero, >= 0 as in a standard form or kFree; returns the index of the first.
+  int addColumns(int count, Bound type = Bound::kLower);
   /// Throw Error when kDouble comes with lower > upper.
   void setRowBounds(int row, Bound type, const Rational& lower, const Rational& upper);
   void setColumnBounds(int column, Bound type, const Rational& lower, const Rational& upper);

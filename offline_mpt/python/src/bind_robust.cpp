@@ -16,7 +16,7 @@
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "polytope_sets/rational.hpp"
-#include "robust_mpc/online_law.hpp"
+#include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_problem.hpp"
 #include "solve.hpp"
 
@@ -42,7 +42,7 @@ class OnlineRobust {
  private:
   std::string name_;
   std::size_t size_;
-  OnlineRobustLaw law_;
+  OnlineLp law_;
 };
 
 std::vector<Signal> parameterSignals(const RobustProblem& problem) {
@@ -51,20 +51,12 @@ std::vector<Signal> parameterSignals(const RobustProblem& problem) {
   return signals;
 }
 
-Eigen::MatrixXd roundedMatrix(const RationalMatrix& matrix) {
-  Eigen::MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
-  }
-  return result;
-}
-
 /// In the disturbances' own units, which the problem scales to [-1, 1].
 DiscreteModel modelOf(const RobustProblem& problem) {
   DiscreteModel model;
-  model.A = roundedMatrix(problem.A);
-  model.B = roundedMatrix(problem.B);
-  model.Bd = roundedMatrix(problem.G);
+  model.A = toDoubles(problem.A);
+  model.B = toDoubles(problem.B);
+  model.Bd = toDoubles(problem.G);
   for (Eigen::Index j = 0; j < model.Bd.cols(); ++j) {
     const Signal& disturbance = problem.disturbances[static_cast<std::size_t>(j)];
     model.Bd.col(j) *= 2.0 / (disturbance.upper - disturbance.lower);
@@ -106,7 +98,7 @@ void bindRobust(py::module_& module) {
       .def_readonly("sampling_time", &RobustProblem::sampling_time, "[s]")
       .def_readonly("horizon", &RobustProblem::horizon, "N")
       .def_property_readonly(
-          "C", [](const RobustProblem& problem) { return roundedMatrix(problem.C); },
+          "C", [](const RobustProblem& problem) { return toDoubles(problem.C); },
           "Outputs whose greatest peak is minimised.")
       .def("discretise", &modelOf, "The model of a sampling time; Bd is the effect of the disturbances w.")
       .def_property_readonly("error_parameters", &RobustProblem::errorParameters,

@@ -5,7 +5,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
-#include "robust_mpc/online_law.hpp"
+#include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "support/vector_text.hpp"
 #include "verify/self_check.hpp"
@@ -102,7 +102,7 @@ std::unique_ptr<LoadedMap> solveRobust(const RobustProblem& problem, const Solve
     if (set.interrupted) throw Error(problem.name + ": interrupted, nothing was kept");
     const RoundedLaw rounded = roundLaw(problem, explicitLaw(problem, set), ExploreStatus::kComplete);
     const MapContent content = encode(rounded.program, rounded.partition, tree);
-    OnlineRobustLaw online(problem);
+    OnlineLp online(problem);
     requireRight(problem.name,
                  checkAnswers(content, [&](const double* theta) { return online.input(theta); }));
     return MapImage(content);

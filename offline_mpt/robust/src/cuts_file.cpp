@@ -37,29 +37,17 @@ FeasibleSet::Part readPart(const nlohmann::json& json, const RobustProgram& prog
   return part;
 }
 
-/// The half-space that the parts prove. Throws Error where predictions do not cancel.
-FeasibleSet::Facet sumOf(const Parts& parts, const IntegerProgram& program) {
-  std::vector<Scenario> scenarios;
-  RationalVector weights, z(at(program.predictionCount()));
-  for (const FeasibleSet::Part& part : parts) {
-    scenarios.push_back({part.row, part.negative});
-    weights.push_back(part.weight / program.rows()[at(part.row)].scale);
-    const IntegerScenario scenario = program.scenario(scenarios.back());
-    for (std::size_t j = 0; j < z.size(); ++j) z[j] += weights.back() * scenario.z[j];
-  }
-  const auto is_zero = [](const auto& value) { return value == 0; };
-  if (!std::all_of(z.begin(), z.end(), is_zero)) throw Error("does not follow from the rows of the problem");
-  FeasibleSet::Facet facet = program.facetOf(scenarios, weights);
-  if (std::all_of(facet.half_space.a.begin(), facet.half_space.a.end(), is_zero))
-    throw Error("has no normal");
-  return facet;
-}
-
+/// Throws Error where predictions do not cancel.
 FeasibleSet::Facet readCut(const nlohmann::json& json, const RobustProgram& program,
                            const IntegerProgram& whole) {
   Parts parts;
   for (const nlohmann::json& part : json) parts.push_back(readPart(part, program));
-  return sumOf(parts, whole);
+  std::optional<FeasibleSet::Facet> facet = whole.sumOf(parts);
+  if (!facet) throw Error("does not follow from the rows of the problem");
+  const RationalVector& a = facet->half_space.a;
+  if (std::all_of(a.begin(), a.end(), [](const Rational& value) { return value == 0; }))
+    throw Error("has no normal");
+  return std::move(*facet);
 }
 
 nlohmann::json parse(const std::string& path) {

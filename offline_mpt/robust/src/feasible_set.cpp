@@ -15,30 +15,16 @@
 namespace polyfly {
 namespace {
 
-Eigen::VectorXd rounded(const RationalVector& values) {
-  Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
-  for (std::size_t j = 0; j < values.size(); ++j)
-    result[static_cast<Eigen::Index>(j)] = nearestDouble(values[j]);
-  return result;
-}
-
 /// A point with room around it: max t s.t. all rows hold with a margin of t times their length, t <= 1.
 Eigen::VectorXd interiorPoint(const RobustProgram& program) {
   const Eigen::Index ny = program.lawSize(), nz = program.prediction_count, n = nz + ny + 1;
   std::vector<ScenarioRow> rows;
   for (const RobustProgram::Row& from : program.rows) {
-    ScenarioRow row{Eigen::VectorXd::Zero(n), Eigen::VectorXd(1), {}};
-    row.a.head(nz) = rounded(from.z);
-    row.a.segment(nz, ny) = rounded(from.y);
+    ScenarioRow row = scenarioRow(from, n, 1, n);
+    row.a.segment(nz, ny) = toDoubles(from.y);
     const double margin = row.a.norm();
     row.a[n - 1] = -margin;
     row.e[0] = nearestDouble(from.bound) - margin;
-    for (const RobustProgram::Term& term : from.terms) {
-      ScenarioRow::Term to{Eigen::VectorXd::Zero(n), Eigen::VectorXd(1)};
-      to.a.head(nz) = rounded(term.z);
-      to.e[0] = nearestDouble(term.constant);
-      row.terms.push_back(std::move(to));
-    }
     rows.push_back(std::move(row));
   }
   ScenarioLp lp(static_cast<int>(n), 1, std::move(rows));
@@ -54,15 +40,9 @@ ScenarioLp gaugeProgram(const RobustProgram& program, const Eigen::VectorXd& cen
   const Eigen::Index ny = program.lawSize(), nz = program.prediction_count;
   std::vector<ScenarioRow> rows;
   for (const RobustProgram::Row& from : program.rows) {
-    ScenarioRow row{Eigen::VectorXd::Zero(nz + 1), -rounded(from.y), {}};
-    row.a.head(nz) = rounded(from.z);
+    ScenarioRow row = scenarioRow(from, nz + 1, ny, nz);
+    row.e = -toDoubles(from.y);
     row.a[nz] = -(nearestDouble(from.bound) + row.e.dot(centre));
-    for (const RobustProgram::Term& term : from.terms) {
-      ScenarioRow::Term to{Eigen::VectorXd::Zero(nz + 1), Eigen::VectorXd::Zero(ny)};
-      to.a.head(nz) = rounded(term.z);
-      to.a[nz] = nearestDouble(term.constant);
-      row.terms.push_back(std::move(to));
-    }
     rows.push_back(std::move(row));
   }
   return ScenarioLp(static_cast<int>(nz) + 1, static_cast<int>(ny), std::move(rows));
@@ -135,13 +115,9 @@ class Projection {
   }
 
   std::optional<FeasibleSet::Facet> testInFloat(const HomogeneousPoint& point) {
-    RationalVector y;
-    for (std::size_t j = 1; j < point.size(); ++j) {
-      y.emplace_back(point[j], point[0]);
-      y.back().canonicalize();
-    }
+    const RationalVector y = pointOf(point);
     ++result_.stats.linear_programs;
-    const DualSimplex::Status status = gauge_.solve(rounded(y) - centre_);
+    const DualSimplex::Status status = gauge_.solve(toDoubles(y) - centre_);
     const std::vector<ScenarioLp::Tight> tight = gauge_.tight();
     if (status == DualSimplex::Status::kOptimal && gauge_.objective() > 1.0 + tolerance::kVertexOutside) {
       std::optional<FeasibleSet::Facet> facet = whole_.combine(support(tight));
@@ -219,21 +195,17 @@ class Projection {
       const DoubleDescription::Ray& ray = cone_.rays()[r];
       if (!isVertex(ray)) continue;
       FeasibleSet::Vertex vertex;
-      for (std::size_t j = 1; j < ray.value.size(); ++j) {
-        vertex.y.emplace_back(ray.value[j], ray.value[0]);
-        vertex.y.back().canonicalize();
-      }
+      vertex.y = pointOf(ray.value);
       for (std::size_t k = 0; k < kept.size(); ++k) {
         if (on[kept[k]].test(r)) vertex.facets.push_back(static_cast<int>(k));
       }
       const auto found = tested_.find(ray.value);
       if (found != tested_.end() && found->second.proven) {
         ++result_.stats.vertices_proven;
-        const Integer denominator = found->second.prediction.denominator * ray.value[0];
-        for (const Integer& value : found->second.prediction.numerators) {
-          vertex.prediction.emplace_back(value, denominator);
-          vertex.prediction.back().canonicalize();
-        }
+        std::vector<Integer> z{found->second.prediction.denominator * ray.value[0]};
+        z.insert(z.end(), found->second.prediction.numerators.begin(),
+                 found->second.prediction.numerators.end());
+        vertex.prediction = pointOf(z);
       }
       result_.vertices.push_back(std::move(vertex));
     }
@@ -262,35 +234,6 @@ class Projection {
   FeasibleSet result_;
 };
 
-/// The numbers of a row in their proportions: (bound, -y, -z), then (constant, z) of each term.
-std::vector<Integer> flatRow(const RobustProgram::Row& row) {
-  RationalVector values{row.bound};
-  for (const Rational& value : row.y) values.push_back(-value);
-  for (const Rational& value : row.z) values.push_back(-value);
-  for (const RobustProgram::Term& term : row.terms) {
-    values.push_back(term.constant);
-    values.insert(values.end(), term.z.begin(), term.z.end());
-  }
-  return wholeNumbers(values);
-}
-
-/// Whether a point meets a flat row. The point is whole numbers in the proportions of (1, y, z).
-bool meets(const std::vector<Integer>& row, std::size_t law_size, const std::vector<Integer>& point) {
-  const auto add = [](Integer& sum, const Integer& a, const Integer& b) {
-    mpz_addmul(sum.get_mpz_t(), a.get_mpz_t(), b.get_mpz_t());
-  };
-  Integer slack;
-  std::size_t k = 0;
-  for (; k < point.size(); ++k) add(slack, row[k], point[k]);
-  while (k < row.size()) {
-    Integer term;
-    add(term, row[k++], point[0]);
-    for (std::size_t j = law_size + 1; j < point.size(); ++j) add(term, row[k++], point[j]);
-    slack -= abs(term);
-  }
-  return slack >= 0;
-}
-
 }  // namespace
 
 FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOptions& options) {
@@ -298,49 +241,22 @@ FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOption
 }
 
 bool proveFacets(const RobustProgram& program, const FeasibleSet& set) {
-  const auto proven = [&](const FeasibleSet::Facet& facet) {
-    RationalVector y(at(program.lawSize())), z(at(program.prediction_count));
-    Rational bound;
-    for (const FeasibleSet::Part& part : facet.parts) {
-      if (part.weight <= 0) return false;
-      const RobustProgram::Row& row = program.rows[at(part.row)];
-      for (std::size_t j = 0; j < y.size(); ++j) y[j] += part.weight * row.y[j];
-      for (std::size_t j = 0; j < z.size(); ++j) z[j] += part.weight * row.z[j];
-      bound += part.weight * row.bound;
-      for (std::size_t t = 0; t < row.terms.size(); ++t) {
-        const Rational weight = part.negative[t] ? Rational(-part.weight) : part.weight;
-        for (std::size_t j = 0; j < z.size(); ++j) z[j] += weight * row.terms[t].z[j];
-        bound -= weight * row.terms[t].constant;
-      }
-    }
-    // the same half-space, up to a factor above 0
-    Rational factor;
-    for (std::size_t j = 0; j < y.size(); ++j) {
-      if (facet.half_space.a[j] != 0) {
-        factor = y[j] / facet.half_space.a[j];
-        break;
-      }
-    }
-    if (factor <= 0 || bound != factor * facet.half_space.b) return false;
-    for (std::size_t j = 0; j < y.size(); ++j) {
-      if (y[j] != factor * facet.half_space.a[j]) return false;
-    }
-    return std::all_of(z.begin(), z.end(), [](const Rational& value) { return value == 0; });
-  };
-  return std::all_of(set.facets.begin(), set.facets.end(), proven);
+  const IntegerProgram whole(program);
+  return std::all_of(set.facets.begin(), set.facets.end(), [&](const FeasibleSet::Facet& facet) {
+    const std::optional<FeasibleSet::Facet> sum = whole.sumOf(facet.parts);
+    return sum && sum->half_space.a == facet.half_space.a && sum->half_space.b == facet.half_space.b;
+  });
 }
 
 bool proveVertices(const RobustProgram& program, const FeasibleSet& set) {
-  std::vector<std::vector<Integer>> rows;
-  for (const RobustProgram::Row& row : program.rows) rows.push_back(flatRow(row));
+  const IntegerProgram whole(program);
   return std::all_of(set.vertices.begin(), set.vertices.end(), [&](const FeasibleSet::Vertex& vertex) {
     if (vertex.prediction.size() != at(program.prediction_count)) return false;
-    RationalVector values{Rational(1)};
-    values.insert(values.end(), vertex.y.begin(), vertex.y.end());
+    RationalVector values = vertex.y;
     values.insert(values.end(), vertex.prediction.begin(), vertex.prediction.end());
-    const std::vector<Integer> point = wholeNumbers(values);
-    return std::all_of(rows.begin(), rows.end(),
-                       [&](const auto& row) { return meets(row, at(program.lawSize()), point); });
+    const std::vector<Integer> point = homogeneous(values);
+    const auto z = point.begin() + program.lawSize() + 1;
+    return whole.holds({point.begin(), z}, {{z, point.end()}, 1});
   });
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "offline_mpt/exact_lp.hpp"
 #include "rational_parts.hpp"
 
 namespace polyfly {
@@ -53,12 +52,6 @@ Integer dotPoint(const std::vector<Integer>& row, const HomogeneousPoint& y) {
 }
 
 }  // namespace
-
-std::vector<Integer> coneRow(const ExactHalfSpace& half_space) {
-  RationalVector row{half_space.b};
-  for (const Rational& value : half_space.a) row.push_back(-value);
-  return wholeNumbers(row);
-}
 
 IntegerProgram::IntegerProgram(const RobustProgram& program)
     : law_size_(program.lawSize()), prediction_count_(program.prediction_count) {
@@ -127,6 +120,20 @@ FeasibleSet::Facet IntegerProgram::facetOf(const std::vector<Scenario>& scenario
   return facet;
 }
 
+std::optional<FeasibleSet::Facet> IntegerProgram::sumOf(const std::vector<FeasibleSet::Part>& parts) const {
+  std::vector<Scenario> scenarios;
+  RationalVector weights, z(at(prediction_count_));
+  for (const FeasibleSet::Part& part : parts) {
+    if (part.weight <= 0) return std::nullopt;
+    scenarios.push_back({part.row, part.negative});
+    weights.push_back(part.weight / rows_[at(part.row)].scale);
+    const IntegerScenario whole = scenario(scenarios.back());
+    for (std::size_t j = 0; j < z.size(); ++j) z[j] += weights.back() * whole.z[j];
+  }
+  if (std::any_of(z.begin(), z.end(), [](const Rational& value) { return value != 0; })) return std::nullopt;
+  return facetOf(scenarios, weights);
+}
+
 // Everything times y[0] * z.denominator.
 Integer IntegerProgram::excess(const IntegerRow& row, const HomogeneousPoint& y, const CommonFraction& z,
                                std::vector<bool>* negative) const {
@@ -166,46 +173,66 @@ CommonFraction IntegerProgram::predictionAt(const HomogeneousPoint& y,
   return solveIntegers(std::move(rows), prediction_count_).x;
 }
 
-std::optional<FeasibleSet::Facet> exactCut(const IntegerProgram& program, const HomogeneousPoint& y,
-                                           const std::vector<Scenario>& start, CommonFraction& prediction) {
-  ExactLp lp;
-  lp.addColumns(program.predictionCount());
-  for (int j = 0; j < program.predictionCount(); ++j)
-    lp.setColumnBounds(j, ExactLp::Bound::kFree, Rational(0), Rational(0));
-  std::vector<Scenario> scenarios;
-  const auto add = [&](const Scenario& which) {
-    const IntegerScenario part = program.scenario(which);
-    const int row = lp.addRows(1);
-    for (int j = 0; j < program.predictionCount(); ++j) {
-      if (part.z[at(j)] != 0) lp.setCoefficient(row, j, Rational(part.z[at(j)]));
-    }
-    const Integer rest = part.bound * y[0] - dotPoint(program.rows()[at(which.row)].y, y);
-    lp.setRowBounds(row, ExactLp::Bound::kUpper, Rational(0), Rational(rest));
-    scenarios.push_back(which);
-  };
-  for (const Scenario& which : start) add(which);
-  while (true) {
-    if (lp.solve() == ExactLp::Status::kInfeasible) {
-      RationalVector weights;
-      for (int i = 0; i < lp.rowCount(); ++i) weights.emplace_back(-lp.rowRay(i));
-      return program.facetOf(scenarios, weights);
-    }
-    RationalVector values;
-    CommonFraction z;
-    z.denominator = 1;
-    for (int j = 0; j < program.predictionCount(); ++j) {
-      values.push_back(lp.primal(j));
-      mpz_lcm(z.denominator.get_mpz_t(), z.denominator.get_mpz_t(), values.back().get_den_mpz_t());
-    }
-    for (const Rational& value : values)
-      z.numerators.emplace_back(value.get_num() * (z.denominator / value.get_den()));
-    const std::vector<Scenario> broken = program.broken(y, z);
-    if (broken.empty()) {
-      prediction = std::move(z);
-      return std::nullopt;
-    }
+ExactScenarioLp::ExactScenarioLp(const IntegerProgram& program, HomogeneousPoint fixed)
+    : program_(program),
+      fixed_(std::move(fixed)),
+      columns_(program.predictionCount() + program.lawSize() + 1 - static_cast<int>(fixed_.size())) {
+  lp_.addColumns(columns_, ExactLp::Bound::kFree);
+}
+
+// Everything times y[0].
+void ExactScenarioLp::add(const Scenario& which) {
+  const IntegerScenario part = program_.scenario(which);
+  const IntegerRow& from = program_.rows()[at(which.row)];
+  const std::size_t fixed = fixed_.size() - 1;
+  const int row = lp_.addRows(1);
+  for (int j = 0; j < columns_; ++j) {
+    const std::size_t k = at(j), nz = part.z.size();
+    const Integer& entry = k < nz ? part.z[k] : from.y[fixed + k - nz];
+    if (entry != 0) lp_.setCoefficient(row, j, Rational(entry));
+  }
+  Integer rest = part.bound * fixed_[0];
+  for (std::size_t j = 0; j < fixed; ++j) rest -= from.y[j] * fixed_[j + 1];
+  lp_.setRowBounds(row, ExactLp::Bound::kUpper, 0, Rational(rest));
+  scenarios_.push_back(which);
+}
+
+bool ExactScenarioLp::solve() {
+  while (lp_.solve() == ExactLp::Status::kOptimal) {
+    Integer common(1);
+    const int nz = program_.predictionCount();
+    for (int j = 0; j < columns_; ++j)
+      mpz_lcm(common.get_mpz_t(), common.get_mpz_t(), lp_.primal(j).get_den_mpz_t());
+    const auto whole = [&](int j) { return Integer(Rational(lp_.primal(j) * common).get_num()); };
+    HomogeneousPoint y;
+    for (const Integer& value : fixed_) y.push_back(value * common);
+    for (int j = nz; j < columns_; ++j) y.push_back(whole(j));
+    prediction_ = {{}, 1};
+    for (int j = 0; j < nz; ++j) prediction_.numerators.push_back(whole(j));
+    const std::vector<Scenario> broken = program_.broken(y, prediction_);
+    prediction_.denominator = common;
+    if (broken.empty()) return true;
     for (const Scenario& which : broken) add(which);
   }
+  return false;
+}
+
+Rational ExactScenarioLp::entry(int j) const {
+  const int column = program_.predictionCount() + j + 1 - static_cast<int>(fixed_.size());
+  return lp_.primal(column) / fixed_[0];
+}
+
+std::optional<FeasibleSet::Facet> exactCut(const IntegerProgram& program, const HomogeneousPoint& y,
+                                           const std::vector<Scenario>& start, CommonFraction& prediction) {
+  ExactScenarioLp lp(program, y);
+  for (const Scenario& which : start) lp.add(which);
+  if (lp.solve()) {
+    prediction = lp.prediction();
+    return std::nullopt;
+  }
+  RationalVector weights;
+  for (int i = 0; i < lp.lp().rowCount(); ++i) weights.emplace_back(-lp.lp().rowRay(i));
+  return program.facetOf(lp.scenarios(), weights);
 }
 
 }  // namespace polyfly

@@ -1,21 +1,15 @@
 #include "robust_mpc/online_lp.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "integer_program.hpp"
-#include "offline_mpt/exact_lp.hpp"
 #include "polyfly_base/error.hpp"
 #include "rational_parts.hpp"
 #include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-Eigen::VectorXd rounded(const Rational* first, Eigen::Index count) {
-  Eigen::VectorXd result(count);
-  for (Eigen::Index j = 0; j < count; ++j) result[j] = nearestDouble(first[j]);
-  return result;
-}
 
 /// Rows in x = (z, u~_0, tau, distance) or, without a distance, (z, u~_0, tau - floor); eta = (theta, 1), or
 /// (theta, 1, tau) where tau is given.
@@ -25,10 +19,9 @@ std::vector<ScenarioRow> rowsOf(const RobustProgram& program, double floor, bool
   std::vector<ScenarioRow> rows;
   for (const RobustProgram::Row& from : program.rows) {
     if (from.kind == RobustProgram::Kind::kBox || from.kind == RobustProgram::Kind::kFloor) continue;
-    ScenarioRow row{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(h), {}};
-    row.a.head(nz) = rounded(from.z.data(), nz);
+    ScenarioRow row = scenarioRow(from, n, h, n + np);
     row.a[nz] = nearestDouble(from.y[at(program.inputEntry())]);
-    row.e.head(np) = -rounded(from.y.data(), np);
+    row.e.head(np) = -toDoubles(from.y).head(np);
     row.e[np] = nearestDouble(from.bound);
     const double tau = nearestDouble(from.y[at(program.peakEntry())]);
     if (tau_given) {
@@ -37,16 +30,16 @@ std::vector<ScenarioRow> rowsOf(const RobustProgram& program, double floor, bool
       row.a[nz + 1] = tau;
       row.e[np] -= tau * floor;
     }
-    for (const RobustProgram::Term& term : from.terms) {
-      ScenarioRow::Term to{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(h)};
-      to.a.head(nz) = rounded(term.z.data(), nz);
-      to.e[np] = nearestDouble(term.constant);
-      row.terms.push_back(std::move(to));
-    }
     // a row of theta alone still takes part: 0 <= e . eta
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+RobustProgram withoutBox(RobustProgram program) {
+  const auto is_of_box = [](const RobustProgram::Row& row) { return row.kind == RobustProgram::Kind::kBox; };
+  program.rows.erase(std::remove_if(program.rows.begin(), program.rows.end(), is_of_box), program.rows.end());
+  return program;
 }
 
 /// |u~_0 - K e| <= the last variable.
@@ -67,20 +60,27 @@ std::vector<ScenarioRow> withDistance(std::vector<ScenarioRow> rows, const Eigen
 struct OnlineLp::Parts {
   Parts(const RobustProblem& problem, RobustProgram built)
       : program(std::move(built)),
-        whole(program),
+        whole(withoutBox(program)),
         preferred(at(program.parameter_count)),
+        shift(Eigen::VectorXd::Zero(program.parameter_count)),
         floor(problem.floor) {
     const std::vector<int> errors = problem.errorParameters();
     for (int s = 0; s < problem.stateCount(); ++s) preferred[at(errors[at(s)])] = problem.tie_gain(0, s);
+    for (int j = 0; j < problem.parameterCount(); ++j) {
+      const RobustProblem::Parameter& parameter = problem.parameters[at(j)];
+      if (parameter.state < 0) shift[j] = nearestDouble(parameter.input_shift[0]);
+    }
     const auto n = static_cast<int>(program.prediction_count) + 2, np = program.parameter_count;
     least_peak = std::make_unique<ScenarioLp>(n, np + 1, rowsOf(program, nearestDouble(floor), false));
-    const Eigen::VectorXd gain = rounded(preferred.data(), np);
-    nearest_move = std::make_unique<ScenarioLp>(n, np + 2, withDistance(rowsOf(program, 0.0, true), gain));
+    nearest_move = std::make_unique<ScenarioLp>(
+        n, np + 2, withDistance(rowsOf(program, 0.0, true), toDoubles(preferred)));
   }
 
   RobustProgram program;
   IntegerProgram whole;
   RationalVector preferred;
+  // Shift of the input by each parameter. Only references shift it.
+  Eigen::VectorXd shift;
   Rational floor;
   std::unique_ptr<ScenarioLp> least_peak;
   std::unique_ptr<ScenarioLp> nearest_move;
@@ -116,101 +116,40 @@ OnlineLp::Answer OnlineLp::solve(const Eigen::VectorXd& theta) {
   return answer;
 }
 
-namespace {
+std::optional<double> OnlineLp::input(const double* theta) {
+  const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(theta, parts_->shift.size());
+  const Answer answer = solve(parameters);
+  if (!answer.feasible) return std::nullopt;
+  return answer.input + parts_->shift.dot(parameters);
+}
 
-/// min tau, or with a given tau min |u~_0 - preferred|, over columns z, u~_0, tau, distance.
-class ExactOnline {
- public:
-  ExactOnline(const RobustProgram& program, const IntegerProgram& whole, const RationalVector& theta)
-      : program_(program), whole_(whole), theta_(theta), nz_(program.prediction_count) {
-    lp_.addColumns(nz_ + 3);
-    for (int j = 0; j < nz_ + 2; ++j) lp_.setColumnBounds(j, ExactLp::Bound::kFree, Rational(0), Rational(0));
-    lp_.setColumnBounds(nz_ + 2, ExactLp::Bound::kLower, Rational(0), Rational(0));
-    // start from one scenario of each row, all signs plus
-    for (std::size_t i = 0; i < program.rows.size(); ++i) {
-      if (program.rows[i].kind != RobustProgram::Kind::kBox)
-        add(Scenario{static_cast<int>(i), std::vector<bool>(program.rows[i].terms.size())});
-    }
-  }
-
-  void minimisePeak() { lp_.setObjective(nz_ + 1, Rational(1)); }
-
-  void minimiseDistance(const Rational& peak, const Rational& preferred) {
-    lp_.setObjective(nz_ + 1, Rational(0));
-    lp_.setObjective(nz_ + 2, Rational(1));
-    lp_.setColumnBounds(nz_ + 1, ExactLp::Bound::kFixed, peak, peak);
-    for (const int sign : {1, -1}) {
-      const int row = lp_.addRows(1);
-      lp_.setCoefficient(row, nz_, Rational(sign));
-      lp_.setCoefficient(row, nz_ + 2, Rational(-1));
-      lp_.setRowBounds(row, ExactLp::Bound::kUpper, Rational(0), sign * preferred);
-    }
-  }
-
-  /// False: infeasible.
-  bool solve() {
-    while (lp_.solve() == ExactLp::Status::kOptimal) {
-      const std::vector<Scenario> broken = brokenScenarios();
-      if (broken.empty()) return true;
-      for (const Scenario& which : broken) add(which);
-    }
-    return false;
-  }
-
-  const Rational& peak() const { return lp_.primal(nz_ + 1); }
-  const Rational& input() const { return lp_.primal(nz_); }
-
- private:
-  void add(const Scenario& which) {
-    const IntegerScenario part = whole_.scenario(which);
-    const IntegerRow& from = whole_.rows()[at(which.row)];
-    const int row = lp_.addRows(1);
-    for (int j = 0; j < nz_; ++j) {
-      if (part.z[at(j)] != 0) lp_.setCoefficient(row, j, Rational(part.z[at(j)]));
-    }
-    lp_.setCoefficient(row, nz_, Rational(from.y[at(program_.inputEntry())]));
-    lp_.setCoefficient(row, nz_ + 1, Rational(from.y[at(program_.peakEntry())]));
-    Rational bound(part.bound);
-    for (std::size_t j = 0; j < theta_.size(); ++j) bound -= from.y[j] * theta_[j];
-    lp_.setRowBounds(row, ExactLp::Bound::kUpper, Rational(0), bound);
-  }
-
-  std::vector<Scenario> brokenScenarios() const {
-    RationalVector y = theta_, z;
-    y.push_back(input());
-    y.push_back(peak());
-    for (int j = 0; j < nz_; ++j) z.push_back(lp_.primal(j));
-    std::vector<Scenario> result;
-    for (std::size_t i = 0; i < program_.rows.size(); ++i) {
-      const RobustProgram::Row& row = program_.rows[i];
-      if (row.kind == RobustProgram::Kind::kBox || rowExcess(row, y, z) <= 0) continue;
-      Scenario which{static_cast<int>(i), {}};
-      for (const RobustProgram::Term& term : row.terms)
-        which.negative.push_back(term.constant + dot(term.z, z) < 0);
-      result.push_back(std::move(which));
-    }
-    return result;
-  }
-
-  const RobustProgram& program_;
-  const IntegerProgram& whole_;
-  const RationalVector& theta_;
-  int nz_;
-  ExactLp lp_;
-};
-
-}  // namespace
-
+// Starts from one scenario of each row, all signs plus.
 OnlineLp::ExactAnswer OnlineLp::solveExactly(const RationalVector& theta) const {
-  ExactOnline online(parts_->program, parts_->whole, theta);
-  online.minimisePeak();
+  const IntegerProgram& whole = parts_->whole;
+  const HomogeneousPoint fixed = homogeneous(theta);
+  ExactScenarioLp online(whole, fixed);
+  for (std::size_t i = 0; i < whole.rows().size(); ++i)
+    online.add({static_cast<int>(i), std::vector<bool>(whole.rows()[i].terms.size())});
+  ExactLp& lp = online.lp();
+  const int move = whole.predictionCount(), tau = move + 1;
+  lp.setObjective(tau, 1);
   ExactAnswer answer;
-  if (!online.solve()) return answer;
-  answer.feasible = true;
-  answer.peak = online.peak();
-  online.minimiseDistance(answer.peak, dot(parts_->preferred, theta));
+  answer.feasible = online.solve();
+  if (!answer.feasible) return answer;
+  answer.peak = online.entry(parts_->program.peakEntry());
+  lp.setColumnBounds(tau, ExactLp::Bound::kFixed, lp.primal(tau), 0);
+  lp.setObjective(tau, 0);
+  const int distance = lp.addColumns(1);
+  lp.setObjective(distance, 1);
+  const Rational preferred = dot(parts_->preferred, theta) * fixed[0];
+  for (const int sign : {1, -1}) {
+    const int row = lp.addRows(1);
+    lp.setCoefficient(row, move, sign);
+    lp.setCoefficient(row, distance, -1);
+    lp.setRowBounds(row, ExactLp::Bound::kUpper, 0, sign * preferred);
+  }
   online.solve();
-  answer.input = online.input();
+  answer.input = online.entry(parts_->program.inputEntry());
   return answer;
 }
 

@@ -10,8 +10,8 @@
 #include "mpc_core/read_problem.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/yaml_field.hpp"
+#include "polytope_sets/exact_fields.hpp"
 #include "rational_parts.hpp"
-#include "robust_fields.hpp"
 #include "robust_mpc/robust_problem.hpp"
 
 namespace polyfly {
@@ -23,14 +23,8 @@ constexpr int kMaxBits = 200;
 
 using Names = std::set<std::string>;
 
-Signal signalOf(const YamlField& field, Names& taken) {
-  Signal signal{field.at("name").name(), field.at("unit").unit(), 0.0, 0.0};
-  if (!taken.insert(signal.name).second) field.at("name").fail("duplicate name '" + signal.name + "'");
-  return signal;
-}
-
 RobustProblem::Range rangeOf(const YamlField& field) {
-  const RationalVector ends = exactVector(field, 2);
+  const RationalVector ends = vectorOf(field, 2);
   if (ends[0] >= ends[1]) field.fail("lower end must be below the upper end");
   return {ends[0], ends[1]};
 }
@@ -68,17 +62,8 @@ void readSignals(const YamlField& model, RobustProblem& problem,
 
 /// To a multiple of 2^-bits.
 RationalMatrix roundedMatrix(const Eigen::MatrixXd& matrix, int bits) {
-  RationalMatrix result(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()));
-  const Rational step(mpz_class(1), mpz_class(1) << static_cast<unsigned>(bits));
-  for (int i = 0; i < result.rows(); ++i) {
-    for (int j = 0; j < result.columns(); ++j) {
-      const Rational scaled = Rational(matrix(i, j)) / step + Rational(1, 2);
-      mpz_class whole;
-      mpz_fdiv_q(whole.get_mpz_t(), scaled.get_num_mpz_t(), scaled.get_den_mpz_t());
-      result(i, j) = Rational(whole) * step;
-    }
-  }
-  return result;
+  const Rational step(Integer(1), Integer(1) << static_cast<unsigned>(bits));
+  return matrix.unaryExpr([&](double value) { return nearestMultiple(Rational(value), step); });
 }
 
 void discretiseExactly(const YamlField& model, RobustProblem& problem, int bits) {
@@ -115,10 +100,11 @@ int readModel(const YamlField& model, RobustProblem& problem) {
   std::vector<RobustProblem::Range> ranges;
   readSignals(model, problem, ranges);
   const int nx = static_cast<int>(problem.states.size());
-  problem.A = exactMatrix(model.at("A"), nx, nx);
-  problem.B = exactMatrix(model.at("B"), nx, static_cast<int>(problem.inputs.size()));
-  problem.G = exactMatrix(model.at("G"), nx, static_cast<int>(problem.disturbances.size()));
-  problem.C = exactMatrix(model.at("C"), -1, nx);
+  problem.A = matrixOf(model.at("A"), nx, nx);
+  problem.B = matrixOf(model.at("B"), nx, static_cast<int>(problem.inputs.size()));
+  problem.G = matrixOf(model.at("G"), nx, static_cast<int>(problem.disturbances.size()));
+  problem.C = matrixOf(model.at("C"), -1, nx);
+  if (problem.outputCount() == 0) model.at("C").fail("must have at least one row");
   const int bits = model.has("bits") ? model.at("bits").integer(8, kMaxBits) : kDefaultBits;
   const std::string time = model.has("time") ? model.at("time").text() : "continuous";
   if (time != "continuous" && time != "discrete")
@@ -132,7 +118,7 @@ RationalMatrix readGain(const YamlField& field, const RobustProblem& problem, in
   field.checkKeys({}, {"gain", "Q", "R"});
   if (field.has("gain")) {
     if (field.has("Q") || field.has("R")) field.fail("must have either gain, or Q and R");
-    return exactMatrix(field.at("gain"), problem.inputCount(), problem.stateCount());
+    return matrixOf(field.at("gain"), problem.inputCount(), problem.stateCount());
   }
   const Eigen::MatrixXd Q = field.at("Q").weight(problem.stateCount());
   const Eigen::MatrixXd R = field.at("R").weight(problem.inputCount());
@@ -179,7 +165,7 @@ void readChoices(const YamlField& root, RobustProblem& problem, int bits) {
   } else if (fixed) {
     problem.feedback_gain = problem.tie_gain;
   }
-  if (root.has("floor")) problem.floor = exactNumber(root.at("floor"));
+  if (root.has("floor")) problem.floor = rationalOf(root.at("floor"));
   if (problem.floor < 0) root.at("floor").fail("must not be below 0");
 }
 
@@ -202,8 +188,8 @@ void readParameter(const YamlField& field, Names& taken, std::set<int>& errors, 
       field.at("unit").fail("must be " + found->unit + " as for '" + of + "'");
   } else if (role == "reference") {
     if (field.has("of")) field.at("of").fail("goes with role error only");
-    parameter.state_shift = exactVector(field.at("state"), problem.stateCount());
-    parameter.input_shift = exactVector(field.at("input"), problem.inputCount());
+    parameter.state_shift = vectorOf(field.at("state"), problem.stateCount());
+    parameter.input_shift = vectorOf(field.at("input"), problem.inputCount());
   } else {
     field.at("role").fail("must be error or reference, got '" + role + "'");
   }

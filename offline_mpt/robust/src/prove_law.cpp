@@ -17,14 +17,6 @@ Rational peakAt(const RobustLaw::Region& region, const RationalVector& theta) {
   return dot(region.peak_gain, theta) + region.peak_offset;
 }
 
-// Fractions of this size cost most of their time in common divisors. So a point is taken as whole numbers in the
-// proportions of (1, coordinates), and a half-space as a row of them: the sign of the product is that of the slack.
-std::vector<Integer> homogeneous(const RationalVector& point) {
-  RationalVector values{Rational(1)};
-  values.insert(values.end(), point.begin(), point.end());
-  return wholeNumbers(values);
-}
-
 /// A vertex of regions with their law there, (theta, u~_0, tau).
 struct LawPoint {
   RationalVector theta() const { return RationalVector(y.begin(), y.end() - 2); }
@@ -135,6 +127,8 @@ class LawProof {
 
   void checkFeasible(const RationalVector& theta, const RationalVector& disturbance,
                      const RationalVector& next) {
+    // Fractions of this size cost most of their time in common divisors. The sign of the product of whole numbers is that of
+    // the slack.
     const std::vector<Integer> whole = homogeneous(next);
     for (std::size_t k = 0; k < domain_rows_.size(); ++k) {
       if (dot(domain_rows_[k], whole) >= 0) continue;

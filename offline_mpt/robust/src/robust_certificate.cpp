@@ -5,6 +5,7 @@
 
 #include "certify/certificate.hpp"
 #include "certify/certify_exactly.hpp"
+#include "certify/region_check.hpp"
 #include "rational_parts.hpp"
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/prove_map.hpp"
@@ -109,39 +110,31 @@ class FacetProgram {
   }
 };
 
-std::vector<int> activeFacets(const RegionView& region) {
-  return {region.active, region.active + region.active_count};
+/// The law's regions by their active facets, sorted.
+using RegionsByActive = std::map<std::vector<int>, const RobustLaw::Region*>;
+
+RegionsByActive byActive(const RobustLaw& law) {
+  RegionsByActive regions;
+  for (const RobustLaw::Region& region : law.regions) {
+    std::vector<int> active = region.active;
+    std::sort(active.begin(), active.end());
+    regions.emplace(std::move(active), &region);
+  }
+  return regions;
 }
 
-/// The law's regions by their active facets, sorted.
-class RegionsByActive {
- public:
-  explicit RegionsByActive(const RobustLaw& law) {
-    for (const RobustLaw::Region& region : law.regions) {
-      std::vector<int> active = region.active;
-      std::sort(active.begin(), active.end());
-      regions_.emplace(std::move(active), &region);
-    }
-  }
-  /// None: nullptr.
-  const RobustLaw::Region* find(const RegionView& region) const {
-    const auto at = regions_.find(activeFacets(region));
-    return at == regions_.end() ? nullptr : at->second;
-  }
-
- private:
-  std::map<std::vector<int>, const RobustLaw::Region*> regions_;
-};
+/// None: nullptr.
+const RobustLaw::Region* regionOf(const RegionsByActive& regions, const RegionView& view) {
+  const auto found = regions.find({view.active, view.active + view.active_count});
+  return found == regions.end() ? nullptr : found->second;
+}
 
 std::vector<Defect> strangeRegions(const RegionMap& map, const RegionsByActive& regions) {
   std::vector<Defect> defects;
   for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
-    if (regions.find(map.region(r)) != nullptr) continue;
-    Defect defect;
-    defect.kind = Defect::Kind::kActiveSet;
-    defect.region = r;
-    defect.text = "region " + std::to_string(r) + ": no region of the exact law has its active facets";
-    defects.push_back(std::move(defect));
+    if (regionOf(regions, map.region(r)) != nullptr) continue;
+    defects.push_back(
+        regionDefect(Defect::Kind::kActiveSet, r, -1, "no region of the exact law has its active facets"));
   }
   return defects;
 }
@@ -167,9 +160,9 @@ class Head {
  private:
   void addMatrix(const char* name, const RationalMatrix& matrix) {
     text_ += std::string("model ") + name + " " + std::to_string(matrix.rows()) + " " +
-             std::to_string(matrix.columns());
-    for (int i = 0; i < matrix.rows(); ++i) {
-      for (int j = 0; j < matrix.columns(); ++j) text_ += fraction(matrix(i, j));
+             std::to_string(matrix.cols());
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+      for (Eigen::Index j = 0; j < matrix.cols(); ++j) text_ += fraction(matrix(i, j));
     }
     text_ += "\n";
   }
@@ -234,7 +227,7 @@ class Head {
   void addPlans() {
     std::string simplices;
     for (std::size_t r = 0; r < map_.regionCount(); ++r) {
-      const RobustLaw::Region& region = *regions_.find(map_.region(r));
+      const RobustLaw::Region& region = *regionOf(regions_, map_.region(r));
       std::vector<std::size_t> places;
       for (std::size_t k = 0; k < region.vertices.size(); ++k) places.push_back(pointOf(region, k));
       for (const std::vector<std::size_t>& simplex : triangulate(region.polytope, region.vertices)) {
@@ -272,7 +265,7 @@ void writeCertificate(const RobustProof& proof, const std::string& path) {
 
 CertifyReport certifyRobust(const RegionMap& map, const RobustStatement& statement,
                             const CertifyOptions& options) {
-  const RegionsByActive regions(statement.law);
+  const RegionsByActive regions = byActive(statement.law);
   CertifyReport report;
   report.defects = strangeRegions(map, regions);
   if (!report.defects.empty()) return report;

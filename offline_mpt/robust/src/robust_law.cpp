@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "exact_linear.hpp"
 #include "polytope_sets/double_description.hpp"
 #include "rational_parts.hpp"
 
@@ -170,29 +169,13 @@ class Enumeration {
     return RationalVector(corner.y.begin(), corner.y.begin() + np_);
   }
 
+  /// Whether no direction is left that is orthogonal to all (1, theta).
   bool hasFullDimension(const std::vector<Corner>& corners) const {
-    if (corners.size() <= at(np_)) return false;
-    // rank of the differences to the first corner: rows of whole numbers, any multiple will do
-    std::vector<std::vector<Integer>> basis;
-    for (std::size_t c = 1; c < corners.size() && basis.size() < at(np_); ++c) {
-      RationalVector difference;
-      for (std::size_t k = 0; k < at(np_); ++k) difference.push_back(corners[c].y[k] - corners[0].y[k]);
-      std::vector<Integer> row = wholeNumbers(difference);
-      for (const std::vector<Integer>& other : basis) {
-        const std::size_t lead = leading(other);
-        if (row[lead] == 0) continue;
-        const Integer factor = row[lead];
-        for (std::size_t k = 0; k < row.size(); ++k) row[k] = row[k] * other[lead] - factor * other[k];
-        makePrimitive(row);
-      }
-      if (leading(row) < row.size()) basis.push_back(std::move(row));
-    }
-    return basis.size() == at(np_);
-  }
-
-  static std::size_t leading(const std::vector<Integer>& row) {
-    return static_cast<std::size_t>(
-        std::find_if(row.begin(), row.end(), [](const Integer& value) { return value != 0; }) - row.begin());
+    DoubleDescription left(np_ + 1);
+    return std::any_of(corners.begin(), corners.end(), [&](const Corner& corner) {
+      left.add(homogeneous(parametersOf(corner)), true);
+      return left.lines().empty();
+    });
   }
 
   template <typename LawOf>

@@ -9,22 +9,14 @@
 namespace polyfly {
 namespace {
 
-/// Coefficients of y, z and 1, in this order.
-using Affine = RationalVector;
-
-void addTo(Affine& sum, const Rational& factor, const Affine& other) {
-  if (factor == 0) return;
-  for (std::size_t j = 0; j < sum.size(); ++j) {
-    if (other[j] != 0) sum[j] += factor * other[j];
-  }
-}
+/// Coefficients of y, z and 1, in this order, of each entry.
+using Affine = RationalMatrix;
 
 /// The worst case of a signal: its nominal part and its reaction to each disturbance so far.
 struct Signals {
-  // Nominal part of each entry.
-  std::vector<Affine> nominal;
-  // Reaction of each entry, by step and channel of the disturbance.
-  std::vector<std::vector<Affine>> disturbance;
+  Affine nominal;
+  // By step and channel of the disturbance.
+  std::vector<Affine> disturbance;
 };
 
 /// Predicts e_k and u~_k of Eq. 17 and 18 as affine functions of y and z.
@@ -33,8 +25,10 @@ class Prediction {
   explicit Prediction(const RobustProblem& problem)
       : problem_(problem),
         last_input_(problem.stack == Stack::kPaper ? problem.horizon - 2 : problem.horizon - 1),
-        law_size_(problem.parameterCount() + 2) {
-    numberPredictions();
+        law_size_(problem.parameterCount() + 2),
+        prediction_count_(last_input_) {
+    if (problem.feedback == FeedbackPrediction::kFree)
+      prediction_count_ += problem.channelCount() * last_input_ * (last_input_ + 1) / 2;
     roll();
   }
 
@@ -45,27 +39,19 @@ class Prediction {
   int width() const { return law_size_ + prediction_count_ + 1; }
 
  private:
-  void numberPredictions() {
-    const bool free = problem_.feedback == FeedbackPrediction::kFree;
-    prediction_count_ = last_input_;
-    feedback_offset_ = prediction_count_;
-    if (free) prediction_count_ += problem_.channelCount() * last_input_ * (last_input_ + 1) / 2;
-  }
-
-  Affine zero() const { return Affine(at(width())); }
+  Affine zero(int entries) const { return Affine::Zero(entries, width()); }
 
   /// Entry L_{ki} of channel c; fixed: K (A + B K)^(k-1-i) G.
   Affine feedback(int k, int i, int channel) const {
-    Affine result = zero();
+    Affine result = zero(1);
     switch (problem_.feedback) {
       case FeedbackPrediction::kZero:
         break;
       case FeedbackPrediction::kFree:
-        result[at(law_size_ + feedback_offset_ + (k * (k - 1) / 2 + i) * problem_.channelCount() + channel)] =
-            1;
+        result(law_size_ + last_input_ + (k * (k - 1) / 2 + i) * problem_.channelCount() + channel) = 1;
         break;
       case FeedbackPrediction::kFixed:
-        result.back() = fixed_[at(k - 1 - i)](0, channel);
+        result(width() - 1) = fixed_[at(k - 1 - i)](0, channel);
         break;
     }
     return result;
@@ -73,51 +59,27 @@ class Prediction {
 
   // K (A + B K)^j G for j = 0 ..
   void prepareFixed() {
-    const int nx = problem_.stateCount(), nw = problem_.channelCount();
     RationalMatrix reaction = problem_.G;
     for (int j = 0; j < problem_.horizon; ++j) {
-      RationalMatrix input(1, nw), next(nx, nw);
-      for (int c = 0; c < nw; ++c) {
-        for (int s = 0; s < nx; ++s) input(0, c) += problem_.feedback_gain(0, s) * reaction(s, c);
-        for (int r = 0; r < nx; ++r) {
-          next(r, c) = problem_.B(r, 0) * input(0, c);
-          for (int s = 0; s < nx; ++s) next(r, c) += problem_.A(r, s) * reaction(s, c);
-        }
-      }
-      fixed_.push_back(std::move(input));
-      reaction = std::move(next);
+      fixed_.push_back(problem_.feedback_gain * reaction);
+      reaction = RationalMatrix(problem_.A * reaction + problem_.B * fixed_.back());
     }
   }
 
   Signals initialState() const {
-    Signals first;
+    Signals first{zero(problem_.stateCount()), {}};
     const std::vector<int> errors = problem_.errorParameters();
-    for (int i = 0; i < problem_.stateCount(); ++i) {
-      first.nominal.push_back(zero());
-      first.nominal.back()[at(errors[at(i)])] = 1;
-    }
+    for (int i = 0; i < problem_.stateCount(); ++i) first.nominal(i, errors[at(i)]) = 1;
     return first;
   }
 
   Signals inputAt(int k) const {
-    Signals input;
-    input.nominal.push_back(zero());
-    input.nominal[0][at(k == 0 ? problem_.parameterCount() : law_size_ + k - 1)] = 1;
+    Signals input{zero(1), {}};
+    input.nominal(k == 0 ? problem_.parameterCount() : law_size_ + k - 1) = 1;
     for (int i = 0; i < k; ++i) {
-      for (int c = 0; c < problem_.channelCount(); ++c) input.disturbance.push_back({feedback(k, i, c)});
+      for (int c = 0; c < problem_.channelCount(); ++c) input.disturbance.push_back(feedback(k, i, c));
     }
     return input;
-  }
-
-  // A x + B u
-  std::vector<Affine> step(const std::vector<Affine>& x, const Affine* u) const {
-    std::vector<Affine> next;
-    for (int r = 0; r < problem_.stateCount(); ++r) {
-      next.push_back(zero());
-      for (int s = 0; s < problem_.stateCount(); ++s) addTo(next.back(), problem_.A(r, s), x[at(s)]);
-      if (u != nullptr) addTo(next.back(), problem_.B(r, 0), *u);
-    }
-    return next;
   }
 
   void roll() {
@@ -127,14 +89,13 @@ class Prediction {
       inputs_.push_back(inputAt(k));
       const Signals &x = states_.back(), &u = inputs_.back();
       Signals next;
-      next.nominal = step(x.nominal, &u.nominal[0]);
-      for (int r = 0; r < problem_.stateCount(); ++r) next.nominal[at(r)].back() += problem_.drift[at(r)];
+      next.nominal = problem_.A * x.nominal + problem_.B * u.nominal;
+      for (int r = 0; r < problem_.stateCount(); ++r) next.nominal(r, width() - 1) += problem_.drift[at(r)];
       for (std::size_t d = 0; d < x.disturbance.size(); ++d)
-        next.disturbance.push_back(step(x.disturbance[d], &u.disturbance[d][0]));
+        next.disturbance.emplace_back(problem_.A * x.disturbance[d] + problem_.B * u.disturbance[d]);
       for (int c = 0; c < problem_.channelCount(); ++c) {
-        std::vector<Affine> fresh(at(problem_.stateCount()), zero());
-        for (int r = 0; r < problem_.stateCount(); ++r) fresh[at(r)].back() = problem_.G(r, c);
-        next.disturbance.push_back(std::move(fresh));
+        next.disturbance.push_back(zero(problem_.stateCount()));
+        next.disturbance.back().col(width() - 1) = problem_.G.col(c);
       }
       states_.push_back(std::move(next));
     }
@@ -143,8 +104,7 @@ class Prediction {
   const RobustProblem& problem_;
   int last_input_;
   int law_size_;
-  int prediction_count_ = 0;
-  int feedback_offset_ = 0;
+  int prediction_count_;
   std::vector<RationalMatrix> fixed_;
   std::vector<Signals> states_;
   std::vector<Signals> inputs_;
@@ -175,21 +135,23 @@ class Builder {
  private:
   using Kind = RobustProgram::Kind;
 
+  RationalVector along(const RationalVector& direction, const Affine& entries) const {
+    return direction.empty() ? RationalVector(at(prediction_.width())) : applyTransposed(entries, direction);
+  }
+
   /// direction . entries + extra . y <= bound for all disturbances.
   void add(Kind kind, const RationalVector& direction, const Signals& signals, const RationalVector& extra,
            const Rational& bound) {
-    Affine sum(at(prediction_.width()));
-    for (std::size_t i = 0; i < direction.size(); ++i) addTo(sum, direction[i], signals.nominal[i]);
+    const std::ptrdiff_t split = program_.lawSize();
+    const RationalVector sum = along(direction, signals.nominal);
     RobustProgram::Row row;
     row.kind = kind;
     row.bound = bound - sum.back();
-    const std::ptrdiff_t split = program_.lawSize();
     row.y.assign(sum.begin(), sum.begin() + split);
     row.z.assign(sum.begin() + split, sum.end() - 1);
     for (std::size_t j = 0; j < extra.size(); ++j) row.y[j] += extra[j];
-    for (const std::vector<Affine>& reaction : signals.disturbance) {
-      Affine term(at(prediction_.width()));
-      for (std::size_t i = 0; i < direction.size(); ++i) addTo(term, direction[i], reaction[i]);
+    for (const Affine& reaction : signals.disturbance) {
+      const RationalVector term = along(direction, reaction);
       RationalVector z(term.begin() + split, term.end() - 1);
       if (std::all_of(z.begin(), z.end(), [](const Rational& value) { return value == 0; })) {
         row.bound -= abs(term.back());
@@ -241,7 +203,7 @@ class Builder {
   void addRange(Kind kind, const Signals& signals, int entry, const RobustProblem::Range& range,
                 RationalVector RobustProblem::Parameter::*shifts) {
     for (const int sign : {1, -1}) {
-      RationalVector direction(signals.nominal.size());
+      RationalVector direction(at(signals.nominal.rows()));
       direction[at(entry)] = sign;
       add(kind, direction, signals, shift(shifts, entry, sign),
           sign > 0 ? range.upper : Rational(-range.lower));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rational_parts.hpp"
 #include "tolerances.hpp"
 
 namespace polyfly {
@@ -19,6 +20,22 @@ double greatest(const ScenarioRow& row) {
 }
 
 }  // namespace
+
+ScenarioRow scenarioRow(const RobustProgram::Row& row, Eigen::Index variables, Eigen::Index parameters,
+                        Eigen::Index constants) {
+  const auto by_z = [&](const RationalVector& z) {
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(variables);
+    a.head(static_cast<Eigen::Index>(z.size())) = toDoubles(z);
+    return a;
+  };
+  ScenarioRow result{by_z(row.z), Eigen::VectorXd::Zero(parameters), {}};
+  for (const RobustProgram::Term& term : row.terms) {
+    ScenarioRow::Term to{by_z(term.z), Eigen::VectorXd::Zero(parameters)};
+    (constants < variables ? to.a[constants] : to.e[constants - variables]) = nearestDouble(term.constant);
+    result.terms.push_back(std::move(to));
+  }
+  return result;
+}
 
 ScenarioLp::ScenarioLp(int variables, int parameters, std::vector<ScenarioRow> rows)
     : n_(variables), rows_(std::move(rows)), simplex_(variables, parameters) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dual_simplex.hpp"
+#include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
 
@@ -18,6 +19,10 @@ struct ScenarioRow {
   Eigen::VectorXd e;
   std::vector<Term> terms;
 };
+
+/// The row with its z first among `variables`, and without y. Constants of terms stand at place `constants` of (a, e).
+ScenarioRow scenarioRow(const RobustProgram::Row& row, Eigen::Index variables, Eigen::Index parameters,
+                        Eigen::Index constants);
 
 /// One linear piece of a row: the signs with which its terms count, as bits (set: minus).
 struct Scenario {

@@ -35,14 +35,6 @@ int asked(const char* name, int usual) {
   return text != nullptr ? std::atoi(text) : usual;
 }
 
-Eigen::MatrixXd toDoubles(const RationalMatrix& matrix) {
-  Eigen::MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
-  }
-  return result;
-}
-
 struct Totals {
   int solved = 0;
   // Problems in which no parameter has a plan.

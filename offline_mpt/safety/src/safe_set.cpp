@@ -35,7 +35,7 @@ SetModel scaledModel(const SafetyFilterProblem& problem, const UncertainModel& m
   scaled.name = problem.name;
   scaled.A = RationalMatrix(n, n);
   scaled.B = RationalMatrix(n, nu);
-  scaled.E = RationalMatrix::identity(n);
+  scaled.E = RationalMatrix::Identity(n, n);
   scaled.A_p = RationalMatrix(n, 0);
   const Rational margin(problem.margin);
   RationalVector lower, upper, w_lower, w_upper;

@@ -15,49 +15,16 @@ constexpr int kGreatestExponent = 4;
 // Entries of the sampled model are multiples of 2^-kFractionBits.
 constexpr unsigned kFractionBits = 60;
 
-RationalMatrix fractions(const Eigen::MatrixXd& matrix) {
-  RationalMatrix result(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()));
-  for (int i = 0; i < result.rows(); ++i) {
-    for (int j = 0; j < result.columns(); ++j) result(i, j) = Rational(matrix(i, j));
-  }
-  return result;
-}
-
-RationalMatrix product(const RationalMatrix& left, const RationalMatrix& right) {
-  RationalMatrix result(left.rows(), right.columns());
-  for (int i = 0; i < left.rows(); ++i) {
-    for (int j = 0; j < right.columns(); ++j) {
-      for (int k = 0; k < left.columns(); ++k) result(i, j) += left(i, k) * right(k, j);
-    }
-  }
-  return result;
-}
-
-RationalMatrix magnitudes(RationalMatrix matrix) {
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) matrix(i, j) = abs(matrix(i, j));
-  }
-  return matrix;
-}
-
-Rational rowSum(const RationalMatrix& matrix, int row) {
-  Rational sum = 0;
-  for (int j = 0; j < matrix.columns(); ++j) sum += abs(matrix(row, j));
-  return sum;
+RationalMatrix magnitudes(const RationalMatrix& matrix) {
+  return matrix.unaryExpr([](const Rational& value) { return Rational(abs(value)); });
 }
 
 Rational norm(const RationalMatrix& matrix) {
-  Rational greatest = 0;
-  for (int i = 0; i < matrix.rows(); ++i) greatest = std::max(greatest, rowSum(matrix, i));
-  return greatest;
+  return matrix.size() == 0 ? Rational(0) : Rational(magnitudes(matrix).rowwise().sum().maxCoeff());
 }
 
 Rational greatestEntry(const RationalMatrix& matrix) {
-  Rational greatest = 0;
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) greatest = std::max<Rational>(greatest, abs(matrix(i, j)));
-  }
-  return greatest;
+  return matrix.size() == 0 ? Rational(0) : Rational(magnitudes(matrix).maxCoeff());
 }
 
 /// A matrix with the greatest error of its entries.
@@ -70,11 +37,8 @@ Bounded roundedEntries(Bounded exact) {
   const Rational step(Integer(1), Integer(1) << kFractionBits);
   Rational error = 0;
   for (int i = 0; i < exact.value.rows(); ++i) {
-    for (int j = 0; j < exact.value.columns(); ++j) {
-      const Rational scaled = exact.value(i, j) / step + Rational(1, 2);
-      Integer whole;
-      mpz_fdiv_q(whole.get_mpz_t(), scaled.get_num_mpz_t(), scaled.get_den_mpz_t());
-      const Rational near = Rational(whole) * step;
+    for (int j = 0; j < exact.value.cols(); ++j) {
+      const Rational near = nearestMultiple(exact.value(i, j), step);
       error = std::max<Rational>(error, abs(near - exact.value(i, j)));
       exact.value(i, j) = near;
     }
@@ -93,16 +57,14 @@ Rational truncation(const RationalMatrix& A, const Rational& t) {
 
 /// exp(A t)
 Bounded exponential(const RationalMatrix& A, const Rational& t) {
-  Bounded result{RationalMatrix::identity(A.rows()), truncation(A, t)};
-  RationalMatrix power = RationalMatrix::identity(A.rows());
+  RationalMatrix power = RationalMatrix::Identity(A.rows(), A.rows());
+  Bounded result{power, truncation(A, t)};
   Rational factor = 1;
   for (int k = 1; k < kTerms; ++k) {
-    power = product(power, A);
+    power = power * A;
     if (greatestEntry(power) == 0) return {std::move(result.value), 0};
     factor = factor * t / k;
-    for (int i = 0; i < A.rows(); ++i) {
-      for (int j = 0; j < A.columns(); ++j) result.value(i, j) += factor * power(i, j);
-    }
+    result.value += power * factor;
   }
   return result;
 }
@@ -111,26 +73,19 @@ Bounded exponential(const RationalMatrix& A, const Rational& t) {
 /// the integral of |exp(A s) B|, which divided by t grows with t.
 Bounded integral(const RationalMatrix& A, const RationalMatrix& B, const Rational& t, bool absolute) {
   RationalMatrix power = B;
-  Bounded result{RationalMatrix(B.rows(), B.columns()), t * truncation(A, t) * greatestEntry(B)};
+  Bounded result{RationalMatrix(B.rows(), B.cols()), t * truncation(A, t) * greatestEntry(B)};
   Rational factor = 1;
   for (int k = 1; k <= kTerms; ++k) {
     factor = factor * t / k;
-    for (int i = 0; i < B.rows(); ++i) {
-      for (int j = 0; j < B.columns(); ++j) {
-        const Rational& entry = power(i, j);
-        result.value(i, j) += factor * (absolute ? Rational(abs(entry)) : entry);
-      }
-    }
-    power = product(A, power);
+    result.value += (absolute ? magnitudes(power) : power) * factor;
+    power = A * power;
     if (greatestEntry(power) == 0) return {std::move(result.value), 0};
   }
   return result;
 }
 
 Bounded difference(Bounded left, const Bounded& right) {
-  for (int i = 0; i < left.value.rows(); ++i) {
-    for (int j = 0; j < left.value.columns(); ++j) left.value(i, j) -= right.value(i, j);
-  }
+  left.value -= right.value;
   left.error += right.error;
   return left;
 }
@@ -151,9 +106,9 @@ std::vector<Interval> intervals(const std::vector<Signal>& signals) {
 /// What the problem says, in fractions.
 struct Given {
   explicit Given(const SafetyFilterProblem& problem)
-      : A(fractions(problem.A_c)),
-        B(fractions(problem.B_c)),
-        E(fractions(problem.Bd_c)),
+      : A(exactly(problem.A_c)),
+        B(exactly(problem.B_c)),
+        E(exactly(problem.Bd_c)),
         states(intervals(problem.states)),
         inputs(intervals(problem.inputs)),
         disturbances(intervals(problem.disturbances)),
@@ -168,7 +123,7 @@ struct Given {
 /// Greatest |sum_j M_ij x_j| over a box, added to `sum`.
 void addRange(const RationalMatrix& M, int row, const std::vector<Interval>& box, Rational& lower,
               Rational& upper) {
-  for (int j = 0; j < M.columns(); ++j) {
+  for (int j = 0; j < M.cols(); ++j) {
     const Interval& range = box[static_cast<std::size_t>(j)];
     const Rational one = M(row, j) * range.lower, other = M(row, j) * range.upper;
     lower += std::min(one, other);
@@ -180,9 +135,8 @@ void addRange(const RationalMatrix& M, int row, const std::vector<Interval>& box
 // exp(|A| h) |A (A x + B u + E d)|, plus |A B| times the change of the input where it changes within the period.
 // That change bends x itself by |B| times the change of the input, tau (h - tau) / h at most.
 RationalVector excursionOf(const Given& given) {
-  const int nx = given.A.rows();
-  const RationalMatrix AA = product(given.A, given.A), AB = product(given.A, given.B),
-                       AE = product(given.A, given.E);
+  const int nx = static_cast<int>(given.A.rows());
+  const RationalMatrix AA = given.A * given.A, AB = given.A * given.B, AE = given.A * given.E;
   const Rational& h = given.period;
   const bool bent = given.delay > 0 && given.delay < h;
   std::vector<Interval> middle;
@@ -195,7 +149,7 @@ RationalVector excursionOf(const Given& given) {
     addRange(AE, i, middle, lower, upper);
     Rational& z = second[static_cast<std::size_t>(i)];
     z = std::max<Rational>(abs(lower), abs(upper));
-    for (int j = 0; bent && j < AB.columns(); ++j)
+    for (int j = 0; bent && j < AB.cols(); ++j)
       z += abs(AB(i, j)) * 2 * given.inputs[static_cast<std::size_t>(j)].half();
   }
   const RationalMatrix A = magnitudes(given.A);
@@ -207,7 +161,7 @@ RationalVector excursionOf(const Given& given) {
       z += (growth.value(i, j) + growth.error) * second[static_cast<std::size_t>(j)];
     Rational& bend = result[static_cast<std::size_t>(i)];
     bend = h * h / 8 * z;
-    for (int j = 0; bent && j < given.B.columns(); ++j)
+    for (int j = 0; bent && j < given.B.cols(); ++j)
       bend += given.delay * (h - given.delay) / h * abs(given.B(i, j)) * 2 *
               given.inputs[static_cast<std::size_t>(j)].half();
   }
@@ -225,7 +179,7 @@ Sampled sample(const Given& given) {
   const Rational rest = h - given.delay;
   RationalMatrix drift(given.A.rows(), 1);
   for (int i = 0; i < drift.rows(); ++i) {
-    for (int j = 0; j < given.E.columns(); ++j)
+    for (int j = 0; j < given.E.cols(); ++j)
       drift(i, 0) += given.E(i, j) * given.disturbances[static_cast<std::size_t>(j)].middle();
   }
   Sampled sampled;
@@ -241,16 +195,16 @@ Sampled sample(const Given& given) {
 
 Rational uncertainty(const SafetyFilterProblem& problem, const Given& given, const Sampled& sampled, int i) {
   Rational w = sampled.c.error + Rational(problem.state_errors[i]);
-  for (int j = 0; j < given.A.columns(); ++j) {
+  for (int j = 0; j < given.A.cols(); ++j) {
     w += (abs(sampled.A.value(i, j)) + sampled.A.error) * Rational(problem.state_errors[j]);
     w += sampled.A.error * given.states[static_cast<std::size_t>(j)].greatest();
   }
-  for (int j = 0; j < given.B.columns(); ++j) {
+  for (int j = 0; j < given.B.cols(); ++j) {
     w += (sampled.B.error + (given.delay > 0 ? sampled.B_before.error : Rational(0))) *
          given.inputs[static_cast<std::size_t>(j)].greatest();
     w += (sampled.input.value(i, j) + sampled.input.error) * Rational(problem.input_errors[j]);
   }
-  for (int j = 0; j < given.E.columns(); ++j)
+  for (int j = 0; j < given.E.cols(); ++j)
     w += (sampled.disturbance.value(i, j) + sampled.disturbance.error) *
          given.disturbances[static_cast<std::size_t>(j)].half();
   return w;

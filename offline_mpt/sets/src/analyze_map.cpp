@@ -100,22 +100,21 @@ class Analysis {
   }
 
   void proveCover(AnalyzeReport& report) {
-    RegionCover cover(regions_);
     CoverOptions options;
     options.threads = options_.threads;
     options.stop = options_.stop;
     if (options_.progress) {
-      options.progress = [&](double share) {
-        const auto count = static_cast<double>(regions_.count());
-        options_.progress(regions_.count() + static_cast<std::uint64_t>(share * count), total_);
+      options.progress = [&](std::uint64_t done, std::uint64_t total) {
+        options_.progress(regions_.count() + done * regions_.count() / total, total_);
       };
     }
-    report.covered = cover.covers(domainSet(), options);
-    report.cells = cover.cells();
-    if (!report.covered && !cover.stopped()) report.gap = cover.gap();
-    report.slivers = cover.slivers().size();
+    const SetCover cover = coverSet(regions_, domainSet(), options);
+    report.covered = cover.covered;
+    report.cells = cover.cells;
+    if (!report.covered && !cover.stopped) report.gap = cover.gap;
+    report.slivers = cover.slivers.size();
     slivers_.resize(regions_.count());
-    for (const RegionCover::Sliver& sliver : cover.slivers()) {
+    for (const CoverSliver& sliver : cover.slivers) {
       auto& list = slivers_[sliver.region];
       list.insert(list.end(), sliver.vertices.begin(), sliver.vertices.end());
     }
@@ -126,16 +125,12 @@ class Analysis {
   }
 
   RegionStep stepOf(std::size_t region) const {
-    const int p = regions_.parameters(), m = model_.G.columns();
-    const double* law = map_.law(map_.region(region).law);
-    RegionStep step{model_.F, model_.c};
-    for (int k = 0; k < m; ++k) {
-      for (int i = 0; i < p; ++i) {
-        if (model_.G(i, k) == 0) continue;
-        for (int j = 0; j < p; ++j) step.M(i, j) += model_.G(i, k) * Rational(law[k * (p + 1) + j]);
-        step.m[static_cast<std::size_t>(i)] += model_.G(i, k) * Rational(law[k * (p + 1) + p]);
-      }
-    }
+    const int p = regions_.parameters(), m = static_cast<int>(model_.G.cols());
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> law(
+        map_.law(map_.region(region).law), m, p + 1);
+    const RationalMatrix by_input = model_.G * exactly(law);
+    RegionStep step{model_.F + by_input.leftCols(p), model_.c};
+    for (int i = 0; i < p; ++i) step.m[static_cast<std::size_t>(i)] += by_input(i, p);
     return step;
   }
 
@@ -150,10 +145,7 @@ class Analysis {
 
   std::vector<std::vector<Integer>> verticesOf(std::size_t region, bool& flat) const {
     if (!options_.within) return regions_.vertices(region, flat);
-    const PolytopeCone cone(intersect(regions_.polytope(region), domainSet()));
-    std::vector<std::vector<Integer>> result;
-    for (const DoubleDescription::Ray& ray : cone.cone.rays()) result.push_back(ray.value);
-    return result;
+    return raysOf(PolytopeCone(intersect(regions_.polytope(region), domainSet())).cone);
   }
 
   Finding testRegion(std::size_t region) const {
@@ -164,15 +156,9 @@ class Analysis {
     for (const ExactHalfSpace& row : domain_)
       finding.out_of_domain = std::max(finding.out_of_domain, worst(corners, row.a, row.b, &where));
     // Parts of P that only the tolerance gives to this region: its law answers there too.
-    std::vector<std::vector<Integer>> rows;
-    for (std::uint32_t i = 0; i < map_.region(region).row_count && !slivers_[region].empty(); ++i) {
-      const ExactHalfSpace row = regions_.row(region, i);
-      rows.push_back(slackRow(row.a, row.b));
-    }
     std::copy_if(slivers_[region].begin(), slivers_[region].end(), std::back_inserter(corners),
                  [&](const std::vector<Integer>& vertex) {
-                   return std::any_of(rows.begin(), rows.end(),
-                                      [&](const auto& row) { return dot(row, vertex) < 0; });
+                   return !regions_.holds(static_cast<std::uint32_t>(region), vertex, false);
                  });
     if (corners.empty()) return finding;
     finding.middle = middleOf(corners);

@@ -7,7 +7,7 @@
 namespace polyfly {
 namespace {
 
-void requireUnit(const ModelSignal& signal, const Signal& of_map, const std::string& where) {
+void requireUnit(const Signal& signal, const Signal& of_map, const std::string& where) {
   if (signal.unit == of_map.unit) return;
   throw Error(where + ": '" + signal.name + "' has unit " + signal.unit + " in the model, " + of_map.unit +
               " in the map");
@@ -29,7 +29,7 @@ ClosedLoopModel bindModel(const SetModel& model, const RegionMap& map) {
   const auto& parameters = map.parameters();
   const int p = static_cast<int>(parameters.size());
   std::vector<int> inputs, states, others;  // places in the map
-  for (const ModelSignal& input : model.inputs) {
+  for (const Signal& input : model.inputs) {
     const std::size_t place = placeOf(map.inputs(), input.name, where + ": inputs");
     requireUnit(input, map.inputs()[place], where + ": inputs");
     inputs.push_back(static_cast<int>(place));
@@ -37,7 +37,7 @@ ClosedLoopModel bindModel(const SetModel& model, const RegionMap& map) {
   if (inputs.size() != map.inputs().size())
     throw Error(where + ": inputs: the map gives " + std::to_string(map.inputs().size()) +
                 ", the model takes " + std::to_string(inputs.size()));
-  for (const ModelSignal& state : model.states) {
+  for (const Signal& state : model.states) {
     states.push_back(static_cast<int>(placeOf(parameters, state.name, where + ": states")));
     requireUnit(state, parameters[static_cast<std::size_t>(states.back())], where + ": states");
   }
@@ -62,7 +62,7 @@ ClosedLoopModel bindModel(const SetModel& model, const RegionMap& map) {
     const int row = states[static_cast<std::size_t>(i)];
     for (int j = 0; j < model.stateCount(); ++j)
       loop.F(row, states[static_cast<std::size_t>(j)]) = model.A(i, j);
-    for (int j = 0; j < model.A_p.columns(); ++j)
+    for (int j = 0; j < model.A_p.cols(); ++j)
       loop.F(row, others[static_cast<std::size_t>(j)]) = model.A_p(i, j);
     for (int j = 0; j < model.inputCount(); ++j)
       loop.G(row, inputs[static_cast<std::size_t>(j)]) = model.B(i, j);

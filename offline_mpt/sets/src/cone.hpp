@@ -17,6 +17,9 @@ struct PolytopeCone {
   std::vector<std::size_t> place;
 };
 
+/// Values of the rays.
+std::vector<std::vector<Integer>> raysOf(const DoubleDescription& cone);
+
 /// Throws Error naming `what` when the set does not have this many dimensions.
 void requireDimension(const ExactPolytope& set, std::size_t dimension, const char* what);
 

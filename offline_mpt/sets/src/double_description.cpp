@@ -20,35 +20,14 @@ std::vector<Integer> combine(const std::vector<Integer>& first, const Integer& w
 
 }  // namespace
 
-std::size_t TightSet::count() const {
-  std::size_t result = 0;
-  for (const std::uint64_t word : words_) result += static_cast<std::size_t>(__builtin_popcountll(word));
-  return result;
-}
-
 bool TightSet::contains(const TightSet& other) const {
-  for (std::size_t k = 0; k < other.words_.size(); ++k) {
-    const std::uint64_t mine = k < words_.size() ? words_[k] : 0;
-    if ((other.words_[k] & ~mine) != 0) return false;
+  const mp_limb_t* const mine = mpz_limbs_read(bits_.get_mpz_t());
+  const mp_limb_t* const theirs = mpz_limbs_read(other.bits_.get_mpz_t());
+  const std::size_t size = mpz_size(bits_.get_mpz_t());
+  for (std::size_t k = 0; k < mpz_size(other.bits_.get_mpz_t()); ++k) {
+    if ((theirs[k] & ~(k < size ? mine[k] : 0)) != 0) return false;
   }
   return true;
-}
-
-bool TightSet::operator<(const TightSet& other) const {
-  const std::size_t size = std::max(words_.size(), other.words_.size());
-  for (std::size_t k = 0; k < size; ++k) {
-    const std::uint64_t mine = k < words_.size() ? words_[k] : 0;
-    const std::uint64_t theirs = k < other.words_.size() ? other.words_[k] : 0;
-    if (mine != theirs) return mine < theirs;
-  }
-  return false;
-}
-
-TightSet TightSet::operator&(const TightSet& other) const {
-  TightSet result;
-  result.words_.resize(std::min(words_.size(), other.words_.size()));
-  for (std::size_t k = 0; k < result.words_.size(); ++k) result.words_[k] = words_[k] & other.words_[k];
-  return result;
 }
 
 Integer dot(const std::vector<Integer>& row, const std::vector<Integer>& y) {

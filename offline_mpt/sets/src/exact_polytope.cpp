@@ -15,14 +15,34 @@ void requireDimension(const ExactPolytope& set, std::size_t dimension, const cha
               " dimensions, got " + std::to_string(set.dimension));
 }
 
-namespace {
-
-// b x_0 - a . x >= 0
 std::vector<Integer> coneRow(const ExactHalfSpace& row) {
   RationalVector values{row.b};
   for (const Rational& a : row.a) values.emplace_back(-a);
   return wholeNumbers(values);
 }
+
+std::vector<Integer> homogeneous(const RationalVector& point) {
+  RationalVector values{Rational(1)};
+  values.insert(values.end(), point.begin(), point.end());
+  return wholeNumbers(values);
+}
+
+RationalVector pointOf(const std::vector<Integer>& ray) {
+  RationalVector result;
+  for (std::size_t j = 1; j < ray.size(); ++j) {
+    result.emplace_back(ray[j], ray[0] == 0 ? Integer(1) : ray[0]);
+    result.back().canonicalize();
+  }
+  return result;
+}
+
+std::vector<std::vector<Integer>> raysOf(const DoubleDescription& cone) {
+  std::vector<std::vector<Integer>> result;
+  for (const DoubleDescription::Ray& ray : cone.rays()) result.push_back(ray.value);
+  return result;
+}
+
+namespace {
 
 ExactHalfSpace halfSpace(const std::vector<Integer>& cone_row) {
   ExactHalfSpace row;
@@ -33,16 +53,6 @@ ExactHalfSpace halfSpace(const std::vector<Integer>& cone_row) {
 
 ExactHalfSpace emptyRow(int dimension) {
   return {RationalVector(static_cast<std::size_t>(dimension)), Rational(-1)};
-}
-
-RationalVector tail(const std::vector<Integer>& value) {
-  RationalVector result;
-  for (std::size_t j = 1; j < value.size(); ++j) {
-    Rational entry = value[0] == 0 ? Rational(value[j]) : Rational(value[j], value[0]);
-    entry.canonicalize();
-    result.push_back(std::move(entry));
-  }
-  return result;
 }
 
 std::vector<Integer> generatorRow(const Rational& head, const RationalVector& entries, int dimension) {
@@ -94,8 +104,8 @@ Generators generators(const ExactPolytope& set) {
   Generators result;
   if (polytope.isEmpty()) return result;
   for (const DoubleDescription::Ray& ray : polytope.cone.rays())
-    (ray.value[0] > 0 ? result.vertices : result.rays).push_back(tail(ray.value));
-  for (const std::vector<Integer>& line : polytope.cone.lines()) result.lines.push_back(tail(line));
+    (ray.value[0] > 0 ? result.vertices : result.rays).push_back(pointOf(ray.value));
+  for (const std::vector<Integer>& line : polytope.cone.lines()) result.lines.push_back(pointOf(line));
   std::sort(result.vertices.begin(), result.vertices.end());
   std::sort(result.rays.begin(), result.rays.end());
   return result;

@@ -13,15 +13,24 @@ namespace {
 
 bool reachedStop(const std::atomic<bool>* stop) { return stop != nullptr && stop->load(); }
 
+/// Adds the rows of a set of coordinates from `first` on.
+void place(const ExactPolytope& set, int first, ExactPolytope& to) {
+  const auto lift = [&](const std::vector<ExactHalfSpace>& rows, std::vector<ExactHalfSpace>& wider) {
+    for (const ExactHalfSpace& row : rows) {
+      wider.push_back({RationalVector(static_cast<std::size_t>(to.dimension)), row.b});
+      std::copy(row.a.begin(), row.a.end(), wider.back().a.begin() + first);
+    }
+  };
+  lift(set.rows, to.rows);
+  lift(set.equalities, to.equalities);
+}
+
 /// (x, u) with u in U and A x + B u + c in S, whatever d does; x not yet bound to S.
 ExactPolytope pairsInto(const SetModel& model, const ExactPolytope& set,
                         const std::vector<RationalVector>& corners) {
   const int nx = model.stateCount(), nu = model.inputCount();
   RationalMatrix M(nx, nx + nu);
-  for (int i = 0; i < nx; ++i) {
-    for (int j = 0; j < nx; ++j) M(i, j) = model.A(i, j);
-    for (int j = 0; j < nu; ++j) M(i, nx + j) = model.B(i, j);
-  }
+  M << model.A, model.B;
   ExactPolytope shrunk = set;
   for (ExactHalfSpace& row : shrunk.rows) {
     const RationalVector direction = applyTransposed(model.E, row.a);
@@ -30,15 +39,7 @@ ExactPolytope pairsInto(const SetModel& model, const ExactPolytope& set,
     row.b -= greatest;
   }
   ExactPolytope pairs = preimage(shrunk, M, model.c);
-  const auto lift = [&](const std::vector<ExactHalfSpace>& from, std::vector<ExactHalfSpace>& to) {
-    for (const ExactHalfSpace& row : from) {
-      ExactHalfSpace wide{RationalVector(static_cast<std::size_t>(nx + nu)), row.b};
-      std::copy(row.a.begin(), row.a.end(), wide.a.begin() + nx);
-      to.push_back(std::move(wide));
-    }
-  };
-  lift(model.U.rows, pairs.rows);
-  lift(model.U.equalities, pairs.equalities);
+  place(model.U, nx, pairs);
   return pairs;
 }
 
@@ -52,18 +53,6 @@ ExactPolytope asRows(ExactPolytope set) {
   }
   set.equalities.clear();
   return set;
-}
-
-ExactPolytope withStates(ExactPolytope pairs, const ExactPolytope& states) {
-  const auto lift = [&](const std::vector<ExactHalfSpace>& from, std::vector<ExactHalfSpace>& to) {
-    for (ExactHalfSpace row : from) {
-      row.a.resize(static_cast<std::size_t>(pairs.dimension));
-      to.push_back(std::move(row));
-    }
-  };
-  lift(states.rows, pairs.rows);
-  lift(states.equalities, pairs.equalities);
-  return pairs;
 }
 
 std::vector<int> firstOnes(int count) {
@@ -108,7 +97,8 @@ InvariantSet exactRecursion(const SetModel& model, const InvariantOptions& optio
 /// One step in floating point. False when nothing with interior is left.
 bool floatStep(const SetModel& model, const std::vector<RationalVector>& corners, double tolerance,
                Polytope& set, bool& same) {
-  const ExactPolytope pairs = withStates(pairsInto(model, exactly(set), corners), exactly(set));
+  ExactPolytope pairs = pairsInto(model, exactly(set), corners);
+  place(exactly(set), 0, pairs);
   Polytope next = rounded(pairs);
   if (chebyshevBall(next).radius <= tolerance) return false;
   for (int j = next.dimension() - 1; j >= set.dimension(); --j) next = eliminate(next, j, tolerance);
@@ -149,8 +139,9 @@ InvariantSet floatRecursion(const SetModel& model, const InvariantOptions& optio
 ExactPolytope predecessor(const SetModel& model, const ExactPolytope& set) {
   requireDimension(set, static_cast<std::size_t>(model.stateCount()), "predecessor");
   const ExactPolytope target = asRows(set);
-  const ExactPolytope pairs =
-      withStates(withStates(pairsInto(model, target, vertices(model.D)), model.X), target);
+  ExactPolytope pairs = pairsInto(model, target, vertices(model.D));
+  place(model.X, 0, pairs);
+  place(target, 0, pairs);
   return project(pairs, firstOnes(model.stateCount()));
 }
 

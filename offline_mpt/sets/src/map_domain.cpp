@@ -7,6 +7,7 @@
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "tolerances.hpp"
+#include "vertex_tests.hpp"
 
 namespace polyfly {
 namespace {
@@ -55,33 +56,13 @@ class DomainGuess {
     ExactPolytope set;
     set.dimension = p_;
     for (const ScaledRow& row : rows_) set.rows.push_back(row.exact);
-    const ExactPolytope smallest = minimal(set);
-    std::vector<ExactHalfSpace> result;
-    for (const ExactHalfSpace& facet : smallest.rows) {
-      const auto is = [&](const ExactHalfSpace& row) { return sameHalfSpace(row, facet); };
-      const auto found = std::find_if(set.rows.begin(), set.rows.end(), is);
-      // With a tolerance as wide as the domain, all half-spaces are outer ones, and nothing is within all of them.
-      if (found == set.rows.end())
-        throw Error("tolerance: is so wide that nothing remains of the map's domain");
-      result.push_back(*found);
-    }
-    // Equalities belong to parameters that cannot change.
-    for (const ExactHalfSpace& row : smallest.equalities) {
-      result.push_back(row);
-      result.push_back({row.a, Rational(-row.b)});
-      for (Rational& value : result.back().a) value = -value;
-    }
-    return result;
+    // With a tolerance as wide as the domain, all half-spaces are outer ones, and nothing is within all of them.
+    if (affineDimension(set) < 0)
+      throw Error("tolerance: is so wide that nothing remains of the map's domain");
+    return scaledRows(set, regions_.map());
   }
 
  private:
-  static bool sameHalfSpace(const ExactHalfSpace& row, const ExactHalfSpace& other) {
-    RationalVector values = row.a, others = other.a;
-    values.push_back(row.b);
-    others.push_back(other.b);
-    return wholeNumbers(values) == wholeNumbers(others);
-  }
-
   void addBox() {
     const auto size = static_cast<std::size_t>(p_);
     for (std::size_t j = 0; j < size; ++j) {

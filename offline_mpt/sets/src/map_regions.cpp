@@ -1,6 +1,8 @@
 #include "map_regions.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "cone.hpp"
@@ -8,6 +10,17 @@
 
 namespace polyfly {
 
+namespace {
+
+/// A row of a plane, negated or not, moved outwards.
+ExactHalfSpace halfSpaceOf(const double* plane, int p, double sign, double moved) {
+  ExactHalfSpace row;
+  for (int j = 0; j < p; ++j) row.a.emplace_back(sign * plane[j]);
+  row.b = Rational(sign * plane[p]) + Rational(moved);
+  return row;
+}
+
+/// value / by, rounded without exact division: for guesses.
 double ratio(const Integer& value, const Integer& by) {
   long exponent = 0, other = 0;
   const double mantissa = mpz_get_d_2exp(&exponent, value.get_mpz_t());
@@ -15,20 +28,30 @@ double ratio(const Integer& value, const Integer& by) {
   return std::ldexp(mantissa / divisor, static_cast<int>(exponent - other));
 }
 
+}  // namespace
+
 MapRegions::MapRegions(const RegionMap& map, double tolerance)
     : map_(map),
       tolerance_(tolerance),
       p_(static_cast<int>(map.parameters().size())),
-      shapes_(map.regionCount()) {}
+      shapes_(map.regionCount()) {
+  for (std::size_t i = 0; i < map.planeCount(); ++i) {
+    for (const double sign : {1.0, -1.0}) {
+      for (const double moved : {0.0, tolerance})
+        insides_.push_back(coneRow(halfSpaceOf(map.plane(i), p_, sign, moved)));
+    }
+  }
+}
 
-ExactHalfSpace MapRegions::row(std::size_t region, std::uint32_t row) const {
-  const std::int32_t number = map_.region(region).rows[row];
-  const double* plane = map_.plane(static_cast<std::size_t>(std::abs(number)) - 1);
-  const double sign = number > 0 ? 1.0 : -1.0;
-  ExactHalfSpace result;
-  for (int j = 0; j < p_; ++j) result.a.emplace_back(sign * plane[j]);
-  result.b = Rational(sign * plane[p_]);
-  return result;
+const std::vector<Integer>& MapRegions::inside(std::int32_t row, bool moved) const {
+  const std::size_t first = 4 * (static_cast<std::size_t>(std::abs(row)) - 1);
+  return insides_[first + (row > 0 ? 0 : 2) + (moved ? 1 : 0)];
+}
+
+bool MapRegions::holds(std::uint32_t region, const std::vector<Integer>& point, bool moved) const {
+  const RegionView view = map_.region(region);
+  return std::all_of(view.rows, view.rows + view.row_count,
+                     [&](std::int32_t row) { return dot(inside(row, moved), point) >= 0; });
 }
 
 ExactPolytope MapRegions::polytope(std::size_t region) const {
@@ -38,20 +61,21 @@ ExactPolytope MapRegions::polytope(std::size_t region) const {
     upper.emplace_back(parameter.upper);
   }
   ExactPolytope result = ExactPolytope::box(lower, upper);
-  for (std::uint32_t i = 0; i < map_.region(region).row_count; ++i) result.rows.push_back(row(region, i));
+  const RegionView view = map_.region(region);
+  for (std::uint32_t i = 0; i < view.row_count; ++i) {
+    const double* const plane = map_.plane(static_cast<std::size_t>(std::abs(view.rows[i])) - 1);
+    result.rows.push_back(halfSpaceOf(plane, p_, view.rows[i] > 0 ? 1.0 : -1.0, 0.0));
+  }
   return result;
 }
 
 std::vector<std::vector<Integer>> MapRegions::vertices(std::size_t region, bool& flat) const {
   const PolytopeCone polytope_cone(polytope(region));
-  std::vector<std::vector<Integer>> result;
   TightSet common;
-  for (const DoubleDescription::Ray& ray : polytope_cone.cone.rays()) {
-    common = result.empty() ? ray.tight : common & ray.tight;
-    result.push_back(ray.value);
-  }
+  for (const DoubleDescription::Ray& ray : polytope_cone.cone.rays())
+    common = &ray == &polytope_cone.cone.rays().front() ? ray.tight : common & ray.tight;
   flat = common.count() > 0;  // a row that is tight at all vertices
-  return result;
+  return raysOf(polytope_cone.cone);
 }
 
 void MapRegions::setShape(std::size_t region, const std::vector<std::vector<Integer>>& vertices) {
@@ -60,14 +84,6 @@ void MapRegions::setShape(std::size_t region, const std::vector<std::vector<Inte
     for (std::size_t j = 1; j < vertex.size(); ++j) shape.push_back(ratio(vertex[j], vertex[0]));
   }
   shapes_[region] = std::move(shape);
-}
-
-std::vector<std::uint32_t> MapRegions::shaped() const {
-  std::vector<std::uint32_t> result;
-  for (std::uint32_t r = 0; r < shapes_.size(); ++r) {
-    if (!shapes_[r].empty()) result.push_back(r);
-  }
-  return result;
 }
 
 }  // namespace polyfly

@@ -9,31 +9,29 @@ namespace polyfly {
 
 class RegionMap;
 
-/// value / by, rounded without exact division: for guesses.
-double ratio(const Integer& value, const Integer& by);
-
-/// The regions of a map as exact polytopes and, for guesses, by rounded vertices.
+/// The regions of a map in whole numbers and, for guesses, by rounded vertices.
 class MapRegions {
  public:
-  /// `tolerance` moves half-spaces outwards in `widened`.
+  /// `tolerance` is by how much half-spaces are moved outwards.
   MapRegions(const RegionMap& map, double tolerance);
 
   std::size_t count() const { return shapes_.size(); }
   int parameters() const { return p_; }
 
-  /// a . theta <= b of row `row` of a region, as the map has it.
-  ExactHalfSpace row(std::size_t region, std::uint32_t row) const;
+  /// Whole numbers r of a signed row, as MapContent::rows has it: r . (1, theta) >= 0 in the half-space.
+  const std::vector<Integer>& inside(std::int32_t row, bool moved) const;
+
+  /// Whether a region, moved outwards or not, holds a point (x_0, x): theta = x / x_0.
+  bool holds(std::uint32_t region, const std::vector<Integer>& point, bool moved) const;
 
   /// Region and box.
   ExactPolytope polytope(std::size_t region) const;
 
-  /// Its exact vertices (x_0, x): theta = x / x_0. `flat` tells whether it has no interior.
+  /// Its exact vertices (x_0, x). `flat` tells whether it has no interior.
   std::vector<std::vector<Integer>> vertices(std::size_t region, bool& flat) const;
 
-  /// Rounded vertices for the functions below, one region at a time; different regions may be set at once.
+  /// Rounded vertices for the function below, one region at a time; different regions may be set at once.
   void setShape(std::size_t region, const std::vector<std::vector<Integer>>& vertices);
-
-  std::vector<std::uint32_t> shaped() const;  ///< regions whose vertices were set
 
   /// Numbers of one vertex after the other.
   const std::vector<double>& shape(std::size_t region) const { return shapes_[region]; }
@@ -45,6 +43,8 @@ class MapRegions {
   const RegionMap& map_;
   double tolerance_;
   int p_;
+  // Of each plane: the row, the row moved, and both of the plane negated.
+  std::vector<std::vector<Integer>> insides_;
   std::vector<std::vector<double>> shapes_;
 };
 

@@ -5,23 +5,17 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "polytope_sets/exact_fields.hpp"
 #include "polytope_sets/set_model.hpp"
-#include "set_fields.hpp"
 
 namespace polyfly {
 namespace {
 
 struct SignalList {
-  std::vector<ModelSignal> signals;
+  std::vector<Signal> signals;
   // Ranges of the signals that have one.
   ExactPolytope ranges;
 };
-
-ModelSignal signalOf(const YamlField& field, std::set<std::string>& names) {
-  ModelSignal signal{field.at("name").name(), field.at("unit").unit()};
-  if (!names.insert(signal.name).second) field.at("name").fail("'" + signal.name + "' is named twice");
-  return signal;
-}
 
 SignalList signalsOf(const YamlField& file, const char* key, bool must_have_range,
                      std::set<std::string>& names) {
@@ -59,7 +53,7 @@ void readParameters(const YamlField& file, SetModel& model, std::set<std::string
     const std::string next = entry.at("next").name();
     if (next != "constant") {
       const auto found = std::find_if(model.inputs.begin(), model.inputs.end(),
-                                      [&](const ModelSignal& input) { return input.name == next; });
+                                      [&](const Signal& input) { return input.name == next; });
       if (found == model.inputs.end())
         entry.at("next").fail("must be 'constant' or the name of an input, got '" + next + "'");
       if (found->unit != parameter.signal.unit)
@@ -78,36 +72,23 @@ RationalMatrix matrixAt(const YamlField& file, const char* key, int rows, int co
   return matrixOf(file.at(key), rows, columns);
 }
 
-Eigen::MatrixXd rounded(const RationalMatrix& matrix) {
-  Eigen::MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
-  }
-  return result;
-}
-
 // x' = A x + ... to x+ = A x + ..., with everything but x constant over a period. In double precision; the
 // doubles are the model from then on.
 void discretiseModel(SetModel& model, double period) {
-  const int nx = model.stateCount(), nq = model.A_p.columns(), nd = model.disturbanceCount();
+  const int nx = model.stateCount(), nq = static_cast<int>(model.A_p.cols()), nd = model.disturbanceCount();
   MpcProblem continuous;
-  continuous.A_c = rounded(model.A);
-  continuous.B_c = rounded(model.B);
+  continuous.A_c = toDoubles(model.A);
+  continuous.B_c = toDoubles(model.B);
   continuous.Bd_c = Eigen::MatrixXd::Zero(nx, nq + nd + 1);
-  continuous.Bd_c.leftCols(nq) = rounded(model.A_p);
-  continuous.Bd_c.middleCols(nq, nd) = rounded(model.E);
+  continuous.Bd_c.leftCols(nq) = toDoubles(model.A_p);
+  continuous.Bd_c.middleCols(nq, nd) = toDoubles(model.E);
   for (int i = 0; i < nx; ++i)
     continuous.Bd_c(i, nq + nd) = nearestDouble(model.c[static_cast<std::size_t>(i)]);
   const DiscreteModel discrete = discretise(continuous, period);
-  const auto fill = [](RationalMatrix& to, const Eigen::MatrixXd& from) {
-    for (int i = 0; i < to.rows(); ++i) {
-      for (int j = 0; j < to.columns(); ++j) to(i, j) = Rational(from(i, j));
-    }
-  };
-  fill(model.A, discrete.A);
-  fill(model.B, discrete.B);
-  fill(model.A_p, discrete.Bd.leftCols(nq));
-  fill(model.E, discrete.Bd.middleCols(nq, nd));
+  model.A = exactly(discrete.A);
+  model.B = exactly(discrete.B);
+  model.A_p = exactly(discrete.Bd.leftCols(nq));
+  model.E = exactly(discrete.Bd.middleCols(nq, nd));
   for (int i = 0; i < nx; ++i) model.c[static_cast<std::size_t>(i)] = Rational(discrete.Bd(i, nq + nd));
 }
 
@@ -144,7 +125,7 @@ SetModel parseModel(const std::string& text, const std::string& source) {
   model.A = matrixAt(file, "A", nx, nx);
   model.B = matrixAt(file, "B", nx, nu);
   model.A_p = RationalMatrix(nx, static_cast<int>(model.parameters.size()));
-  if (file.has("A_p")) model.A_p = matrixOf(file.at("A_p"), nx, model.A_p.columns());
+  if (file.has("A_p")) model.A_p = matrixOf(file.at("A_p"), nx, static_cast<int>(model.parameters.size()));
   model.E = matrixAt(file, "E", nx, nd);
   model.c = file.has("c") ? vectorOf(file.at("c"), nx) : RationalVector(static_cast<std::size_t>(nx));
   if (file.has("sampling_time")) {

@@ -48,11 +48,9 @@ bool parseDecimal(const std::string& text, Rational& value) {
 
 }  // namespace
 
-RationalMatrix RationalMatrix::identity(int size) {
-  RationalMatrix result(size, size);
-  for (int i = 0; i < size; ++i) result(i, i) = 1;
-  return result;
-}
+RationalMatrix exactly(const Eigen::MatrixXd& matrix) { return matrix.cast<Rational>(); }
+
+Eigen::MatrixXd toDoubles(const RationalMatrix& matrix) { return matrix.unaryExpr(&nearestDouble); }
 
 Rational dot(const RationalVector& a, const RationalVector& b) {
   Rational sum;
@@ -64,10 +62,10 @@ Rational dot(const RationalVector& a, const RationalVector& b) {
 
 RationalVector affine(const RationalMatrix& M, const RationalVector& x, const RationalVector& m) {
   RationalVector result(static_cast<std::size_t>(M.rows()));
-  for (int i = 0; i < M.rows(); ++i) {
+  for (Eigen::Index i = 0; i < M.rows(); ++i) {
     Rational& sum = result[static_cast<std::size_t>(i)];
     if (!m.empty()) sum = m[static_cast<std::size_t>(i)];
-    for (int j = 0; j < M.columns(); ++j) {
+    for (Eigen::Index j = 0; j < M.cols(); ++j) {
       if (M(i, j) != 0) sum += M(i, j) * x[static_cast<std::size_t>(j)];
     }
   }
@@ -75,9 +73,9 @@ RationalVector affine(const RationalMatrix& M, const RationalVector& x, const Ra
 }
 
 RationalVector applyTransposed(const RationalMatrix& M, const RationalVector& a) {
-  RationalVector result(static_cast<std::size_t>(M.columns()));
-  for (int j = 0; j < M.columns(); ++j) {
-    for (int i = 0; i < M.rows(); ++i) {
+  RationalVector result(static_cast<std::size_t>(M.cols()));
+  for (Eigen::Index j = 0; j < M.cols(); ++j) {
+    for (Eigen::Index i = 0; i < M.rows(); ++i) {
       if (M(i, j) != 0) result[static_cast<std::size_t>(j)] += M(i, j) * a[static_cast<std::size_t>(i)];
     }
   }
@@ -92,6 +90,13 @@ double nearestDouble(const Rational& value) {
   if (!std::isfinite(away)) return toward_zero;
   const Rational below = abs(value - Rational(toward_zero)), above = abs(value - Rational(away));
   return above <= below && value != 0 ? away : toward_zero;
+}
+
+Rational nearestMultiple(const Rational& value, const Rational& step) {
+  const Rational steps = value / step + Rational(1, 2);
+  Integer whole;
+  mpz_fdiv_q(whole.get_mpz_t(), steps.get_num_mpz_t(), steps.get_den_mpz_t());
+  return whole * step;
 }
 
 bool parseRational(const std::string& text, Rational& value) {

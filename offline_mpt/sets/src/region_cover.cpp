@@ -1,9 +1,8 @@
 #include "region_cover.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <iterator>
-#include <optional>
+#include <numeric>
 #include <utility>
 
 #include "cone.hpp"
@@ -13,211 +12,154 @@
 namespace polyfly {
 namespace {
 
-// Number of cells that threads share.
-constexpr std::size_t kTasks = 64;
-constexpr int kWholeBits = 40;
-// Value of the share counter when all is done.
-constexpr double kWhole = 0x1p40;
+// Nodes of this depth lead to the parts that threads share.
+constexpr int kTaskDepth = 6;
+
+using Cell = DoubleDescription;
+using IntegerRow = std::vector<Integer>;
+using Regions = std::vector<std::uint32_t>;
+
+/// A part of the set below a node of the tree, and what came of it.
+struct Task {
+  std::uint32_t child = 0;
+  Cell cell;
+  SetCover cover;
+};
+
+IntegerRow opposite(IntegerRow row) {
+  for (Integer& value : row) value = -value;
+  return row;
+}
+
+/// Whether the cell has a vertex strictly outside of a row.
+bool reachesOut(const Cell& cell, const IntegerRow& row) {
+  return std::any_of(cell.rays().begin(), cell.rays().end(),
+                     [&](const Cell::Ray& ray) { return dot(row, ray.value) < 0; });
+}
+
+/// A point inside: the mean of the vertices, with weights of 1 to 2.
+IntegerRow middleOf(const Cell& cell) {
+  const auto bits = [](const Cell::Ray& ray) { return mpz_sizeinbase(ray.value[0].get_mpz_t(), 2); };
+  std::size_t most = 0;
+  for (const Cell::Ray& ray : cell.rays()) most = std::max(most, bits(ray));
+  IntegerRow sum(cell.rays().front().value.size());
+  for (const Cell::Ray& ray : cell.rays()) {
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += ray.value[j] << (most - bits(ray));
+  }
+  return sum;
+}
+
+class CoverSearch {
+ public:
+  CoverSearch(const MapRegions& regions, const std::atomic<bool>* stop)
+      : regions_(regions), stop_(stop), all_(regions.count()) {
+    std::iota(all_.begin(), all_.end(), 0U);
+  }
+
+  /// Divides the cell among the nodes of kTaskDepth and leaves above.
+  void divide(std::uint32_t child, const Cell& cell, int depth, std::vector<Task>& tasks) const {
+    if (depth == kTaskDepth || (child & MapContent::kLeaf) != 0) {
+      tasks.push_back({child, cell, {}});
+      return;
+    }
+    forEachSide(child, cell, [&](std::uint32_t next, const Cell& part) {
+      divide(next, part, depth + 1, tasks);
+      return true;
+    });
+  }
+
+  bool cover(std::uint32_t child, const Cell& cell, SetCover& found) const {
+    if ((child & MapContent::kLeaf) == 0) {
+      return forEachSide(child, cell,
+                         [&](std::uint32_t next, const Cell& part) { return cover(next, part, found); });
+    }
+    const LeafView leaf = regions_.map().leaf(child & ~MapContent::kLeaf);
+    return coverBy(cell, {leaf.candidates, leaf.candidates + leaf.count}, false, found);
+  }
+
+ private:
+  /// Calls `visit` with the node's children and what the cell has there. A cell on the plane belongs to the first one.
+  template <typename Visit>
+  bool forEachSide(std::uint32_t child, const Cell& cell, const Visit& visit) const {
+    const MapContent::Node& node = regions_.map().node(child);
+    const auto row = static_cast<std::int32_t>(node.plane) + 1;
+    const IntegerRow &below = regions_.inside(row, false), &above = regions_.inside(-row, false);
+    const bool reaches_above = reachesOut(cell, below), reaches_below = reachesOut(cell, above);
+    if (!reaches_above) return visit(node.below, cell);
+    return (!reaches_below || visit(node.below, cut(cell, below))) &&
+           visit(node.above, reaches_below ? cut(cell, above) : cell);
+  }
+
+  static Cell cut(Cell cell, const IntegerRow& row) {
+    cell.add(row);
+    return cell;
+  }
+
+  /// The region that holds the cell's middle is cut away; first as it is, then moved outwards. A region that was cut away as it
+  /// is cannot hold the middle of what is left, and one that was moved is not in `left` any more.
+  bool coverBy(const Cell& cell, Regions left, bool is_all, SetCover& found) const {
+    if (stop_ != nullptr && stop_->load()) {
+      found.stopped = true;
+      return false;
+    }
+    const IntegerRow middle = middleOf(cell);
+    for (const bool moved : {false, true}) {
+      const auto holder = std::find_if(left.begin(), left.end(), [&](std::uint32_t region) {
+        return regions_.holds(region, middle, moved);
+      });
+      if (holder == left.end()) continue;
+      const std::uint32_t region = *holder;
+      if (moved) left.erase(holder);
+      return cutAway(region, moved, cell, left, is_all, found);
+    }
+    if (!is_all) return coverBy(cell, all_, true, found);
+    found.gap = pointOf(middle);
+    return false;
+  }
+
+  bool cutAway(std::uint32_t region, bool moved, Cell cell, const Regions& left, bool is_all,
+               SetCover& found) const {
+    const RegionView view = regions_.map().region(region);
+    for (std::uint32_t i = 0; i < view.row_count; ++i) {
+      const IntegerRow& inside = regions_.inside(view.rows[i], moved);
+      if (!reachesOut(cell, inside)) continue;
+      if (!coverBy(cut(cell, opposite(inside)), left, is_all, found)) return false;
+      cell.add(inside);
+    }
+    ++found.cells;
+    if (moved) found.slivers.push_back({region, raysOf(cell)});
+    return true;
+  }
+
+  const MapRegions& regions_;
+  const std::atomic<bool>* stop_;
+  Regions all_;
+};
 
 }  // namespace
 
-/// A cell of its own, and what became of it.
-struct RegionCover::Task {
-  std::optional<CoverCell> cell;
-  std::vector<std::uint32_t> candidates;
-  int depth = 0;
-  bool settled = false;
-  bool covered = false;
-  std::uint64_t cells = 0;
-  std::vector<Sliver> slivers;
-  RationalVector gap;
-};
-
-RegionCover::RegionCover(const MapRegions& regions) : regions_(regions), parts_(regions) {
-  for (std::vector<std::vector<IntegerRow>>& rows : insides_) rows.resize(regions.count());
-}
-
-// The rows of a region, as they are or moved outwards: made once.
-const std::vector<RegionCover::IntegerRow>& RegionCover::insidesOf(std::uint32_t region, bool moved) {
-  std::vector<IntegerRow>& rows = insides_[moved ? 1 : 0][region];
-  const std::uint32_t count = regions_.map().region(region).row_count;
-  while (rows.size() < count) {
-    const auto row = static_cast<std::uint32_t>(rows.size());
-    rows.push_back(parts_.plane(region, row, moved ? regions_.tolerance() : 0.0).inside);
-  }
-  return rows;
-}
-
-// The first cuts make tasks enough for all threads, whatever their number. Their order is that in which one
-// thread would come to them, and so is that of all that is found.
-bool RegionCover::covers(const ExactPolytope& set, const CoverOptions& options) {
-  stop_ = options.stop;
-  std::atomic<std::uint64_t> share{0};
-  share_ = &share;
-  std::vector<Task> tasks = firstCuts(set);
-  std::vector<std::size_t> open;
-  std::atomic<std::size_t> first_gap{tasks.size()};
-  for (std::size_t k = tasks.size(); k-- > 0;) {
-    if (!tasks[k].settled) open.push_back(k);
-    if (tasks[k].settled && !tasks[k].covered) first_gap = k;
-  }
-  std::reverse(open.begin(), open.end());
-  std::function<void(std::uint64_t, std::uint64_t)> progress;
-  if (options.progress) {
-    progress = [&](std::uint64_t, std::uint64_t) {
-      options.progress(static_cast<double>(share.load()) / kWhole);
-    };
-  }
-  std::vector<RegionCover> workers(static_cast<std::size_t>(std::max(1, options.threads)), *this);
-  const bool finished = inParallel(
-      open.size(), options.threads, options.stop, progress, [&](std::size_t thread, std::uint64_t i) {
-        const std::size_t k = open[i];
-        if (k > first_gap.load()) return;
-        workers[thread].settle(tasks[k]);
-        std::size_t before = first_gap.load();
-        while (!tasks[k].covered && k < before && !first_gap.compare_exchange_weak(before, k)) {
-        }
-      });
-  share_ = nullptr;
-  stopped_ = !finished || (options.stop != nullptr && options.stop->load());
-  return !stopped_ && merge(tasks);
-}
-
-std::vector<RegionCover::Task> RegionCover::firstCuts(const ExactPolytope& set) {
-  std::vector<Task> tasks;
+// Tasks are in the order of the tree, and so is what is found, up to the first gap.
+SetCover coverSet(const MapRegions& regions, const ExactPolytope& set, const CoverOptions& options) {
+  SetCover result;
   const PolytopeCone polytope(set);
-  if (polytope.isEmpty()) return tasks;
-  tasks.emplace_back();
-  tasks.front().cell = parts_.cell(polytope.cone);
-  tasks.front().candidates = parts_.near(*tasks.front().cell);
-  std::size_t open = 1;
-  while (open > 0 && open < kTasks && (stop_ == nullptr || !stop_->load())) {
-    std::vector<Task> next;
-    open = 0;
-    for (Task& task : tasks) {
-      if (task.settled) {
-        next.push_back(std::move(task));
-        continue;
-      }
-      Task parts[2];
-      if (step(*task.cell, task.candidates, parts) == Step::kCut) {
-        for (Task& part : parts) {
-          part.depth = task.depth + 1;
-          next.push_back(std::move(part));
-        }
-        open += 2;
-      } else {
-        settle(task);
-        next.push_back(std::move(task));
-      }
-    }
-    tasks = std::move(next);
-  }
-  return tasks;
-}
-
-void RegionCover::settle(Task& task) {
-  cells_ = 0;
-  slivers_.clear();
-  gap_.clear();
-  task.covered = coverCell(*task.cell, task.candidates, task.depth);
-  task.settled = true;
-  task.cells = cells_;
-  task.slivers = std::move(slivers_);
-  task.gap = std::move(gap_);
-  task.cell.reset();
-}
-
-// Up to the first gap.
-bool RegionCover::merge(std::vector<Task>& tasks) {
-  cells_ = 0;
-  slivers_.clear();
-  gap_.clear();
+  if (polytope.isEmpty()) return result;
+  const CoverSearch search(regions, options.stop);
+  std::vector<Task> tasks;
+  search.divide(regions.map().root(), polytope.cone, 0, tasks);
+  const auto work = [&](std::size_t, std::uint64_t i) {
+    tasks[i].cover.covered = search.cover(tasks[i].child, tasks[i].cell, tasks[i].cover);
+  };
+  result.stopped = !inParallel(tasks.size(), options.threads, options.stop, options.progress, work);
   for (Task& task : tasks) {
-    cells_ += task.cells;
-    std::move(task.slivers.begin(), task.slivers.end(), std::back_inserter(slivers_));
-    if (task.covered) continue;
-    gap_ = std::move(task.gap);
-    return false;
+    result.stopped = result.stopped || task.cover.stopped;
+    if (!result.covered) continue;
+    result.cells += task.cover.cells;
+    std::move(task.cover.slivers.begin(), task.cover.slivers.end(), std::back_inserter(result.slivers));
+    result.covered = task.cover.covered;
+    result.gap = std::move(task.cover.gap);
   }
-  return true;
-}
-
-// Rounded numbers sort out, exact ones decide.
-bool RegionCover::liesIn(const CoverCell& cell, std::uint32_t region, bool moved) {
-  if (parts_.reachesOut(cell, region, moved ? regions_.tolerance() : 0.0)) return false;
-  for (const IntegerRow& row : insidesOf(region, moved)) {
-    for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
-      if (dot(row, ray.value) < 0) return false;
-    }
-  }
-  return true;
-}
-
-bool RegionCover::isCovered(const CoverCell& cell, const std::vector<std::uint32_t>& candidates) {
-  for (const bool moved : {false, true}) {
-    const auto found = std::find_if(candidates.begin(), candidates.end(),
-                                    [&](std::uint32_t region) { return liesIn(cell, region, moved); });
-    if (found == candidates.end()) continue;
-    ++cells_;
-    if (moved) {
-      slivers_.push_back({*found, {}});
-      for (const DoubleDescription::Ray& ray : cell.cone.rays())
-        slivers_.back().vertices.push_back(ray.value);
-    }
-    return true;
-  }
-  return false;
-}
-
-void RegionCover::storeGap(const CoverCell& cell) {
-  gap_.assign(static_cast<std::size_t>(regions_.parameters()), Rational(0));
-  const Rational share(1, static_cast<unsigned long>(cell.cone.rays().size()));
-  for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
-    for (std::size_t j = 0; j < gap_.size(); ++j) {
-      Rational value(ray.value[j + 1], ray.value[0]);
-      value.canonicalize();
-      gap_[j] += share * value;
-    }
-  }
-}
-
-// Looks at one cell. If it must be cut, `parts` are its two sides.
-RegionCover::Step RegionCover::step(const CoverCell& cell, const std::vector<std::uint32_t>& candidates,
-                                    Task* parts) {
-  if (isCovered(cell, candidates)) return Step::kCovered;
-  std::optional<CellPlane> plane = parts_.bestCut(cell, candidates);
-  if (!plane) {
-    if (isCovered(cell, regions_.shaped())) return Step::kCovered;
-    plane = parts_.anyCut(cell);
-    if (!plane) return Step::kGap;
-  }
-  for (const bool inside : {true, false}) {
-    Task& part = parts[inside ? 0 : 1];
-    part.candidates = parts_.reaching(candidates, *plane, inside);
-    part.cell = parts_.part(cell, *plane, inside);
-  }
-  return Step::kCut;
-}
-
-bool RegionCover::coverCell(const CoverCell& cell, const std::vector<std::uint32_t>& candidates, int depth) {
-  if (stop_ != nullptr && stop_->load()) {
-    stopped_ = true;
-    return false;
-  }
-  Task parts[2];
-  switch (step(cell, candidates, parts)) {
-    case Step::kCovered:
-      if (share_ != nullptr && depth <= kWholeBits) *share_ += std::uint64_t{1} << (kWholeBits - depth);
-      return true;
-    case Step::kGap:
-      storeGap(cell);
-      return false;
-    case Step::kCut:
-      break;
-  }
-  return coverCell(*parts[0].cell, parts[0].candidates, depth + 1) &&
-         coverCell(*parts[1].cell, parts[1].candidates, depth + 1);
+  result.covered = result.covered && !result.stopped;
+  return result;
 }
 
 }  // namespace polyfly

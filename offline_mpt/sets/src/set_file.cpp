@@ -2,18 +2,17 @@
 #include <utility>
 
 #include "polyfly_base/read_text.hpp"
+#include "polytope_sets/exact_fields.hpp"
 #include "polytope_sets/set_model.hpp"
-#include "set_fields.hpp"
 
 namespace polyfly {
 namespace {
 
 std::vector<ExactHalfSpace> rowsOf(const RationalMatrix& A, const RationalVector& b) {
   std::vector<ExactHalfSpace> rows;
-  for (int i = 0; i < A.rows(); ++i) {
-    ExactHalfSpace row{RationalVector(static_cast<std::size_t>(A.columns())), b[static_cast<std::size_t>(i)]};
-    for (int j = 0; j < A.columns(); ++j) row.a[static_cast<std::size_t>(j)] = A(i, j);
-    rows.push_back(std::move(row));
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    rows.push_back({{}, b[static_cast<std::size_t>(i)]});
+    for (Eigen::Index j = 0; j < A.cols(); ++j) rows.back().a.push_back(A(i, j));
   }
   return rows;
 }
@@ -54,16 +53,21 @@ nlohmann::ordered_json numbers(const RationalVector& values) {
 Rational rationalOf(const YamlField& field) {
   Rational value;
   const std::string text = field.text();
-  if (!parseRational(text, value))
-    field.fail("must be a number such as 2, -0.5, 1e-3 or 1/3, got '" + text + "'");
+  if (!parseRational(text, value)) field.fail("must be a decimal number or a fraction, got '" + text + "'");
   return value;
+}
+
+Signal signalOf(const YamlField& field, std::set<std::string>& taken) {
+  Signal signal{field.at("name").name(), field.at("unit").unit(), 0.0, 0.0};
+  if (!taken.insert(signal.name).second) field.at("name").fail("duplicate name '" + signal.name + "'");
+  return signal;
 }
 
 RationalVector vectorOf(const YamlField& field, int size) {
   RationalVector values;
   for (const YamlField& entry : field.items()) values.push_back(rationalOf(entry));
   if (static_cast<int>(values.size()) != size) {
-    field.fail("must have " + std::to_string(size) + " numbers, got " + std::to_string(values.size()));
+    field.fail("must have " + std::to_string(size) + " entries, got " + std::to_string(values.size()));
   }
   return values;
 }
@@ -95,7 +99,8 @@ ExactPolytope setOf(const YamlField& field, int dimension) {
     const std::string A = equality ? "A_eq" : "A", b = equality ? "b_eq" : "b";
     if (!field.has(A) && !field.has(b)) continue;
     const RationalMatrix rows = matrixOf(field.at(A), -1, dimension);
-    append(equality ? set.equalities : set.rows, rowsOf(rows, vectorOf(field.at(b), rows.rows())));
+    append(equality ? set.equalities : set.rows,
+           rowsOf(rows, vectorOf(field.at(b), static_cast<int>(rows.rows()))));
   }
   if (field.has("box")) set = intersect(set, boxOf(field.at("box"), dimension));
   if (field.has("vertices")) {

@@ -65,11 +65,8 @@ ExactPolytope reorder(const ExactPolytope& set, const std::vector<std::size_t>& 
 ExactSupport support(const ExactPolytope& set, const RationalVector& direction) {
   requireDimension(set, direction.size(), "support");
   ExactLp lp;
-  lp.addColumns(set.dimension);
-  for (int j = 0; j < set.dimension; ++j) {
-    lp.setColumnBounds(j, ExactLp::Bound::kFree, 0, 0);
-    lp.setObjective(j, direction[static_cast<std::size_t>(j)]);
-  }
+  lp.addColumns(set.dimension, ExactLp::Bound::kFree);
+  for (int j = 0; j < set.dimension; ++j) lp.setObjective(j, direction[static_cast<std::size_t>(j)]);
   lp.setSense(ExactLp::Sense::kMaximise);
   const auto add_row = [&](const ExactHalfSpace& row, ExactLp::Bound type) {
     const int i = lp.addRows(1);
@@ -107,7 +104,7 @@ ExactPolytope intersect(const ExactPolytope& first, const ExactPolytope& second)
 ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m) {
   requireDimension(set, static_cast<std::size_t>(M.rows()), "affine preimage");
   ExactPolytope result;
-  result.dimension = M.columns();
+  result.dimension = static_cast<int>(M.cols());
   const auto pull = [&](const ExactHalfSpace& row) {
     return ExactHalfSpace{applyTransposed(M, row.a), m.empty() ? row.b : Rational(row.b - dot(row.a, m))};
   };

@@ -100,9 +100,7 @@ SetModel loopModel(const MpcProblem& problem, const Eigen::MatrixXd& loop, const
   const int nx = problem.stateCount();
   SetModel model;
   model.name = problem.name;
-  model.A = RationalMatrix(nx, nx);
-  for (int i = 0; i < nx; ++i)
-    for (int j = 0; j < nx; ++j) model.A(i, j) = Rational(loop(i, j));
+  model.A = exactly(loop);
   model.B = RationalMatrix(nx, 0);
   model.A_p = RationalMatrix(nx, 0);
   model.E = RationalMatrix(nx, 0);

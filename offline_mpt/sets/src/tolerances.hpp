@@ -9,9 +9,6 @@ constexpr double kSameDomainSide = 1e-10;
 /// Rounding of a vertex [scaled].
 constexpr double kVertexRounding = 1e-12;
 
-/// By how much a region must reach over a plane to count there [scaled].
-constexpr double kReachesOver = 1e-9;
-
 /// A smaller entry is zero.
 constexpr double kZeroEntry = 1e-12;
 

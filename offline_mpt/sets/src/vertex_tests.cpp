@@ -24,24 +24,9 @@ double roundedUp(const Rational& value) {
   return value == 0 ? 0.0 : std::nextafter(value.get_d(), std::numeric_limits<double>::infinity());
 }
 
-std::vector<Integer> slackRow(const RationalVector& a, const Rational& b) {
-  RationalVector values{b};
-  for (const Rational& value : a) values.emplace_back(-value);
-  return wholeNumbers(values);
-}
-
-RationalVector pointOf(const std::vector<Integer>& vertex) {
-  RationalVector point;
-  for (std::size_t j = 1; j < vertex.size(); ++j) {
-    point.emplace_back(vertex[j], vertex[0]);
-    point.back().canonicalize();
-  }
-  return point;
-}
-
 Rational worst(const std::vector<std::vector<Integer>>& vertices, const RationalVector& a, const Rational& b,
                const std::vector<Integer>** where) {
-  const std::vector<Integer> row = slackRow(a, b);
+  const std::vector<Integer> row = coneRow({a, b});
   Rational greatest;
   for (const std::vector<Integer>& vertex : vertices) {
     if (dot(row, vertex) >= 0) continue;

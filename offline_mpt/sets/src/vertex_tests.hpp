@@ -11,12 +11,6 @@ class RegionMap;
 /// A double above the value, or 0 for 0.
 double roundedUp(const Rational& value);
 
-/// Whole numbers r with r . (x_0, x) >= 0 where a . x / x_0 <= b.
-std::vector<Integer> slackRow(const RationalVector& a, const Rational& b);
-
-/// x / x_0 of a vertex (x_0, x).
-RationalVector pointOf(const std::vector<Integer>& vertex);
-
 /// Greatest violation of a . theta <= b over vertices, 0 if there is none, and where.
 Rational worst(const std::vector<std::vector<Integer>>& vertices, const RationalVector& a, const Rational& b,
                const std::vector<Integer>** where);

@@ -117,7 +117,7 @@ TEST(ModelFile, RefusesWhatBreaksARule) {
   };
   refused(good + "E: [[1]]\n", "E");
   refused(good + "disturbances: [{name: d, unit: m}]\nE: [[1]]\n", "range");
-  refused(good + "disturbances: [{name: x, unit: m, range: [0, 1]}]\nE: [[1]]\n", "twice");
+  refused(good + "disturbances: [{name: x, unit: m, range: [0, 1]}]\nE: [[1]]\n", "duplicate name");
   refused(good + "parameters: [{name: q, unit: m, next: y}]\n", "next");
   refused(good + "parameters: [{name: q, unit: s, next: u}]\n", "unit");
   refused(good + "sampling_time: 0\n", "sampling_time");

@@ -118,7 +118,7 @@ bool positiveSemidefinite(IntegerMatrix matrix) {
 std::vector<int> independentRows(IntegerMatrix matrix) {
   std::vector<int> kept;
   std::vector<int> pivots;  // column of each
-  for (int row = 0; row < matrix.rows(); ++row) {
+  for (int row = 0; row < matrix.rows() && static_cast<int>(kept.size()) < matrix.columns(); ++row) {
     for (std::size_t k = 0; k < kept.size(); ++k) {
       const Integer factor = matrix(row, pivots[k]);
       if (factor == 0) continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace polyfly {
 namespace {
@@ -25,15 +26,19 @@ double above(const Rational& value) {
   return result == -kInfinity ? std::numeric_limits<double>::lowest() : result;
 }
 
-Integer scaled(const Rational& value, long exponent) {
-  Rational result = value;
-  if (exponent >= 0) {
-    mpq_mul_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(exponent));
-  } else {
-    mpq_div_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(-exponent));
-  }
-  return result.get_num();
+Rational timesPowerOfTwo(Rational value, long exponent) {
+  const auto multiply = exponent >= 0 ? mpq_mul_2exp : mpq_div_2exp;
+  multiply(value.get_mpq_t(), value.get_mpq_t(), static_cast<mp_bitcnt_t>(std::abs(exponent)));
+  return value;
 }
+
+Integer commonDenominator(const std::vector<Rational>& values) {
+  Integer denominator(1);
+  for (const Rational& value : values) denominator = lcm(denominator, value.get_den());
+  return denominator;
+}
+
+Integer scaled(const Rational& value, long exponent) { return timesPowerOfTwo(value, exponent).get_num(); }
 
 IntegerMatrix wholeRows(const std::vector<Rational>& values, int columns) {
   const int rows = static_cast<int>(values.size()) / columns;

@@ -20,6 +20,12 @@ double above(const Rational& value);
 /// value * 2^exponent, which must be whole.
 Integer scaled(const Rational& value, long exponent);
 
+/// value * 2^exponent
+Rational timesPowerOfTwo(Rational value, long exponent);
+
+/// The least whole number > 0 by which all values become whole.
+Integer commonDenominator(const std::vector<Rational>& values);
+
 /// Rows by powers of two: each has no fraction, and its numbers no common factor two.
 IntegerMatrix wholeRows(const std::vector<Rational>& values, int columns);
 

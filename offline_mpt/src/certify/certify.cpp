@@ -100,12 +100,9 @@ Closed closeRegion(const FacetCoverProof& cover_proof, const std::vector<RegionC
   const RegionCheck& check = checks[region];
   if (!check.described) return closed;
   if (cover_proof.find(check.active) != static_cast<int>(region)) {
-    Defect defect;
-    defect.kind = Defect::Kind::kRepeated;
-    defect.region = region;
-    defect.text = "region " + std::to_string(region) + ": has the active set of region " +
-                  std::to_string(cover_proof.find(check.active));
-    closed.defects.push_back(std::move(defect));
+    closed.defects.push_back(
+        regionDefect(Defect::Kind::kRepeated, region, -1,
+                     "has the active set of region " + std::to_string(cover_proof.find(check.active))));
     return closed;
   }
   if (check.point.empty()) return closed;

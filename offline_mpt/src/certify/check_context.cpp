@@ -9,12 +9,9 @@ namespace {
 
 /// Greatest |u| of a row of a law in the box.
 Rational greatestInBox(const ExactProgram& program, const double* row) {
-  Rational constant(row[program.p]), size;
-  for (int j = 0; j < program.p; ++j) {
-    constant += Rational(row[j]) * program.centre[j];
-    size += abs(Rational(row[j]) * program.half[j]);
-  }
-  return size + abs(constant);
+  Rational size;
+  for (const Rational& value : program.inBox(row, row[program.p])) size += abs(value);
+  return size;
 }
 
 }  // namespace

@@ -3,17 +3,6 @@
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
-namespace {
-
-ExactRow negate(const ExactRow& row) {
-  ExactRow result = row;
-  for (Integer& value : result.value) value = -value;
-  finishRow(result);
-  return result;
-}
-
-}  // namespace
-
 void appendWeights(const FarkasProof& proof, std::string& text) {
   text += " " + std::to_string(proof.weights.size());
   for (const auto& [row, weight] : proof.weights)
@@ -74,7 +63,7 @@ bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
       throw Error("region " + std::to_string(candidate.region) + ": to cover a facet needs cells of " +
                   std::to_string(kMostCellRows) + " rows or more, which no certificate may have");
     }
-    negated_.push_back(negate(row));
+    negated_.push_back(opposite(row));
     Cell outside = cell;
     outside.push_back(&negated_.back());
     const Interior beyond = findInterior(outside, plane_, p_);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arithmetic/exact_numbers.hpp"
 #include "certify/facet_cover.hpp"
 #include "certify/slivers.hpp"
 #include "certify/tolerances.hpp"
@@ -106,18 +107,10 @@ bool FacetCoverProof::proveEdge(const RegionCheck& check, const std::vector<Exac
   if (lp.solve() != ExactLp::Status::kOptimal) return false;
   // In terms of the program's own rows, without fractions.
   std::vector<Rational> weights;
-  Integer denominator(1), divisor(0);
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    Rational weight = lp.primal(static_cast<int>(k));
-    const long exponent = program.row_exponent[rows[k]];
-    if (exponent >= 0) {
-      weight *= Rational(Integer(1) << static_cast<unsigned long>(exponent));
-    } else {
-      weight /= Rational(Integer(1) << static_cast<unsigned long>(-exponent));
-    }
-    denominator = lcm(denominator, weight.get_den());
-    weights.push_back(weight);
-  }
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    weights.push_back(timesPowerOfTwo(lp.primal(static_cast<int>(k)), program.row_exponent[rows[k]]));
+  const Integer denominator = commonDenominator(weights);
+  Integer divisor(0);
   for (Rational& weight : weights) {
     weight *= denominator;
     divisor = gcd(divisor, weight.get_num());
@@ -173,19 +166,15 @@ bool FacetCoverProof::reachesBehind(std::uint32_t region, const std::vector<Exac
 FacetBehind FacetCoverProof::addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
                                     const std::vector<Rational>& uncovered,
                                     std::vector<Defect>& defects) const {
-  Defect defect;
-  defect.kind = Defect::Kind::kGap;
-  defect.region = region;
-  defect.row = static_cast<int>(row);
+  Defect defect = regionDefect(Defect::Kind::kGap, region, static_cast<int>(row),
+                               "no region of the map lies behind a part of this facet");
   const ExactProgram& program = context_.program;
   for (int k = 0; k < kWitnessTries && defect.witness.size() == 0; ++k) {
     std::vector<Rational> t = uncovered;
     for (int j = 0; j < program.p; ++j)
       t[j] += Rational(std::ldexp(plane.unit[static_cast<std::size_t>(j)], -kWitnessBits - k));
-    if (strictlyInside(t, {}, nullptr)) defect.witness = toTheta(program, t);
+    if (strictlyInside(t, {}, nullptr)) defect.witness = program.theta(t);
   }
-  defect.text = "region " + std::to_string(region) + ", row " + std::to_string(row) +
-                ": no region of the map lies behind a part of this facet";
   defects.push_back(std::move(defect));
   return {};
 }
@@ -274,7 +263,7 @@ void FacetCoverProof::findMissing(const RegionCheck& check, const ExactRow& plan
   std::vector<Rational> point;
   if (!active || !liesBehind(*active, uncovered, point)) return;
   defect.missing = *active;
-  defect.witness = toTheta(context_.program, point);
+  defect.witness = context_.program.theta(point);
 }
 
 FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std::string& text,

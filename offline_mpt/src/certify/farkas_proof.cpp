@@ -81,15 +81,9 @@ bool emptyByBasis(const FloatLp& solver, const Rows& rows, const ExactRow* on, i
 
 /// Least value of the target where the rows are >= 0, without rounding, first at the basis of the guess.
 Implication impliesExactly(const Rows& rows, const ExactRow& target, const std::vector<int>& basis) {
-  const auto opposite = [](std::vector<Integer> value) {
-    for (std::size_t j = 0; j + 1 < value.size(); ++j) value[j] = -value[j];
-    return value;
-  };
-  std::vector<std::vector<Integer>> half_spaces;
-  for (const ExactRow* row : rows) half_spaces.push_back(opposite(row->value));
-  std::vector<Integer> direction = opposite(target.value);
+  std::vector<Integer> direction = halfSpaces({&target}).front();
   direction.pop_back();
-  BoxMaximum maximum = maximiseInBox(half_spaces, direction, basis);
+  BoxMaximum maximum = maximiseInBox(halfSpaces(rows), direction, basis);
   Implication result;
   if (!maximum.exists) return result;
   result.holds = target.value.back() >= maximum.objective;
@@ -120,7 +114,7 @@ std::vector<Rational> onPlane(const std::vector<double>& t, const ExactRow* on, 
 }
 
 /// The largest ball, in floating point. Rows of the guess: the given ones, then `on` and its opposite.
-FloatLp::Status findInteriorFast(const Rows& rows, const ExactRow* on, int p, FloatLp& solver) {
+FloatLp::Status guessInterior(const Rows& rows, const ExactRow* on, int p, FloatLp& solver) {
   for (const ExactRow* row : rows) {
     std::vector<double> lifted = row->unit;
     lifted.insert(lifted.end() - 1, row->length > 0.0 ? 1.0 : 0.0);
@@ -163,7 +157,7 @@ FarkasProof emptyByRounding(const FloatLp& solver, const Rows& rows, const Exact
   return proof;
 }
 
-/// The rows of findInteriorFast in whole numbers.
+/// The rows of guessInterior in whole numbers.
 std::vector<std::vector<Integer>> liftedRows(const Rows& rows, const ExactRow* on, int p) {
   std::vector<std::vector<Integer>> result;
   const auto lift = [&](const ExactRow& row, int sign, const Integer& radius) {
@@ -189,7 +183,7 @@ std::vector<std::vector<Integer>> liftedRows(const Rows& rows, const ExactRow* o
   return result;
 }
 
-/// As findInteriorFast, without rounding, first at the basis of the guess.
+/// As guessInterior, without rounding, first at the basis of the guess.
 Interior findExactly(const Rows& rows, const ExactRow* on, int p, const std::vector<int>& basis) {
   std::vector<Integer> direction(static_cast<std::size_t>(p) + 1);
   direction.back() = 1;
@@ -282,7 +276,7 @@ bool strictlyInside(const std::vector<Rational>& t, const Rows& rows, const Exac
 
 FastInterior findInteriorFast(const Rows& rows, int p, std::vector<Rational>& point) {
   FloatLp solver(p + 1);
-  switch (findInteriorFast(rows, nullptr, p, solver)) {
+  switch (guessInterior(rows, nullptr, p, solver)) {
     case FloatLp::Status::kOptimal:
       point = onPlane(solver.x(), nullptr, p);
       if (solver.objective() > tolerance::kInteriorRadius && strictlyInside(point, rows, nullptr))
@@ -303,7 +297,7 @@ FastInterior findInteriorFast(const Rows& rows, int p, std::vector<Rational>& po
 
 Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
   FloatLp solver(p + 1);
-  const FloatLp::Status status = findInteriorFast(rows, on, p, solver);
+  const FloatLp::Status status = guessInterior(rows, on, p, solver);
   Interior result;
   if (status == FloatLp::Status::kOptimal && solver.objective() > tolerance::kInteriorRadius) {
     result.radius = solver.objective();

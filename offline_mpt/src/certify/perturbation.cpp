@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include "arithmetic/exact_numbers.hpp"
-#include "certify/implied.hpp"
 #include "certify/tolerances.hpp"
 #include "exact_kkt/exact_equalities.hpp"
 #include "mpc_core/scaled_program.hpp"
+#include "offline_mpt/exact_lp.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/definite_hessian.hpp"
 #include "program/program_rows.hpp"
@@ -27,6 +27,48 @@ bool isConvex(const ParametricProgram& program, const ProgramPerturbation& adjus
     for (int j = 0; j < n; ++j) whole(i, j) = scaled(H[i * n + j], -least);
   }
   return positiveSemidefinite(std::move(whole));
+}
+
+/// The least weights of rows, those of inequalities at least zero and of the rows in `needed` at least one,
+/// that cancel all numbers of (A, S, b); empty if there are none.
+ZeroCombination combineToZero(const ParametricProgram& program, const std::vector<int>& rows,
+                              const std::vector<int>& needed) {
+  const int entries = program.variableCount() + program.parameterCount() + 1;
+  ExactLp lp;
+  lp.addRows(entries);
+  for (int i = 0; i < entries; ++i) lp.setRowBounds(i, ExactLp::Bound::kFixed, 0, 0);
+  lp.addColumns(static_cast<int>(rows.size()));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int column = static_cast<int>(k);
+    const bool equality = isEquality(program, rows[k]);
+    const bool is_needed = std::find(needed.begin(), needed.end(), rows[k]) != needed.end();
+    lp.setColumnBounds(column, equality ? ExactLp::Bound::kFree : ExactLp::Bound::kLower, is_needed ? 1 : 0,
+                       0);
+    lp.setObjective(column, equality ? 0 : 1);
+    for (int i = 0; i < entries; ++i) {
+      const double value = rowEntry(program, rows[k], i);
+      if (value != 0.0) lp.setCoefficient(i, column, Rational(value));
+    }
+  }
+  if (lp.solve() != ExactLp::Status::kOptimal) return {};
+  std::vector<Rational> weights;
+  for (int k = 0; k < lp.columnCount(); ++k) weights.push_back(lp.primal(k));
+  const Integer denominator = commonDenominator(weights);
+  ZeroCombination result;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (weights[k] != 0) result.emplace_back(rows[k], Rational(weights[k] * denominator).get_num());
+  }
+  return result;
+}
+
+/// Proves the inequalities among `rows` to hold with equality wherever the program is feasible. False, and the
+/// adjustment as it was, where that cannot be done.
+bool proveImplied(const ParametricProgram& program, const std::vector<int>& rows,
+                  ProgramPerturbation& adjustment) {
+  ZeroCombination proof = combineToZero(program, rows, rows);
+  if (proof.empty()) return false;
+  adjustment.implied.push_back(std::move(proof));
+  return true;
 }
 
 void takeEqualities(const ParametricProgram& program, ProgramPerturbation& adjustment) {

@@ -43,16 +43,6 @@ double roundedDistance(const std::vector<double>& unit, const ExactRow& row) {
   return distance;
 }
 
-Defect makeDefect(Defect::Kind kind, std::uint32_t region, int row, std::string text) {
-  Defect defect;
-  defect.kind = kind;
-  defect.region = region;
-  defect.row = row;
-  defect.text = "region " + std::to_string(region) + (row >= 0 ? ", row " + std::to_string(row) : "") + ": " +
-                std::move(text);
-  return defect;
-}
-
 std::string shortText(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
@@ -85,19 +75,16 @@ void compareLaw(const CheckContext& context, const RegionView& view, const Exact
   for (int i = 0; i < program.q; ++i) {
     const double* row = law + static_cast<std::ptrdiff_t>(i) * (program.p + 1);
     const Rational* wanted = exact.law.data() + static_cast<std::ptrdiff_t>(i) * (program.p + 1);
-    Rational constant(row[program.p]), difference = program.roundingOf(row, 1);
-    for (int j = 0; j < program.p; ++j) {
-      constant += Rational(row[j]) * program.centre[j];
-      difference += abs(Rational(row[j]) * program.half[j] - wanted[j]);
-    }
-    difference += abs(constant - wanted[program.p]);
+    const std::vector<Rational> written = program.inBox(row, row[program.p]);
+    Rational difference = program.roundingOf(row, 1);
+    for (int j = 0; j <= program.p; ++j) difference += abs(written[static_cast<std::size_t>(j)] - wanted[j]);
     difference /= context.lawScale(static_cast<std::size_t>(i), row);
     worst = std::max(worst, difference);
   }
   check.law_error = above(worst);
   if (worst <= Rational(context.options.law_tolerance)) return;
-  Defect defect = makeDefect(Defect::Kind::kLaw, index, -1,
-                             "u differs from the exact law by up to " + shortText(check.law_error));
+  Defect defect = regionDefect(Defect::Kind::kLaw, index, -1,
+                               "u differs from the exact law by up to " + shortText(check.law_error));
   defect.size = check.law_error;
   check.defects.push_back(std::move(defect));
 }
@@ -171,10 +158,11 @@ void proveRows(const CheckContext& context, std::uint32_t index, const ExactRegi
     double outside = -row.unit.back();
     for (std::size_t j = 0; j < result.witness.size(); ++j)
       outside += row.unit[j] * result.witness[j].get_d();
-    Defect defect = makeDefect(Defect::Kind::kUnlisted, index, -1,
-                               describeUnlisted(context.program, check, row.origin, result.witness, outside));
+    Defect defect =
+        regionDefect(Defect::Kind::kUnlisted, index, -1,
+                     describeUnlisted(context.program, check, row.origin, result.witness, outside));
     defect.size = outside;
-    defect.witness = toTheta(context.program, result.witness);
+    defect.witness = context.program.theta(result.witness);
     check.defects.push_back(std::move(defect));
   };
   for (const ExactRow& row : exact.rows) prove(row, kFollows);
@@ -202,8 +190,8 @@ void findPoint(const CheckContext& context, std::uint32_t index, RegionCheck& ch
   for (const ExactRow& row : check.listed) rows.push_back(&row);
   Interior interior = findInterior(rows, nullptr, context.program.p);
   if (!interior.exists) {
-    Defect defect = makeDefect(Defect::Kind::kLowerDimensional, index, -1,
-                               "has no interior (radius " + shortText(interior.radius) + ", scaled)");
+    Defect defect = regionDefect(Defect::Kind::kLowerDimensional, index, -1,
+                                 "has no interior (radius " + shortText(interior.radius) + ", scaled)");
     defect.size = interior.radius;
     check.defects.push_back(std::move(defect));
     return;
@@ -220,23 +208,26 @@ void refuseRepeatedRows(std::uint32_t index, RegionCheck& check) {
     const auto here = check.listed.begin() + static_cast<std::ptrdiff_t>(row);
     const auto is_same = [&](const ExactRow& other) { return other.value == here->value; };
     if (std::none_of(check.listed.begin(), here, is_same)) continue;
-    check.defects.push_back(makeDefect(Defect::Kind::kPlane, index, static_cast<int>(row),
-                                       "is the same half-space as an earlier row"));
+    check.defects.push_back(regionDefect(Defect::Kind::kPlane, index, static_cast<int>(row),
+                                         "is the same half-space as an earlier row"));
   }
 }
 
 }  // namespace
 
+Defect regionDefect(Defect::Kind kind, std::uint32_t region, int row, const std::string& text) {
+  Defect defect;
+  defect.kind = kind;
+  defect.region = region;
+  defect.row = row;
+  defect.text =
+      "region " + std::to_string(region) + (row >= 0 ? ", row " + std::to_string(row) : "") + ": " + text;
+  return defect;
+}
+
 std::string originText(const ExactOrigin& origin) {
   constexpr char kLetters[] = {'m', 'p', 's', 'd', 'b', 'x'};
   return kLetters[static_cast<std::size_t>(origin.kind)] + std::to_string(origin.index);
-}
-
-Eigen::VectorXd toTheta(const ExactProgram& program, const std::vector<Rational>& t) {
-  Eigen::VectorXd theta(static_cast<Eigen::Index>(t.size()));
-  for (std::size_t j = 0; j < t.size(); ++j)
-    theta(static_cast<Eigen::Index>(j)) = Rational(program.centre[j] + program.half[j] * t[j]).get_d();
-  return theta;
 }
 
 std::vector<Rational> toScaled(const ExactProgram& program, const Eigen::VectorXd& theta) {
@@ -249,17 +240,7 @@ std::vector<Rational> toScaled(const ExactProgram& program, const Eigen::VectorX
 std::vector<Rational> mapRow(const CheckContext& context, const RegionView& region, std::uint32_t row) {
   const std::int32_t reference = region.rows[row];
   const double* plane = context.map.plane(static_cast<std::size_t>(std::abs(reference)) - 1);
-  const int sign = reference > 0 ? -1 : 1;
-  const int p = context.program.p;
-  std::vector<Rational> result;
-  Rational constant(plane[p]);
-  for (int j = 0; j < p; ++j) {
-    const Rational entry(plane[j]);
-    result.push_back(sign * entry * context.program.half[j]);
-    constant -= entry * context.program.centre[j];
-  }
-  result.push_back(-sign * constant);
-  return result;
+  return context.program.inside(plane, reference > 0 ? 1 : -1);
 }
 
 std::vector<ExactRow> matchRows(const CheckContext& context, const RegionView& region,
@@ -366,7 +347,7 @@ RegionCheck checkRegion(const CheckContext& context, std::uint32_t index) {
                          : status == ExactStatus::kCostNotSpanned
                              ? "the cost is not in the span of its active rows"
                              : "an equality does not hold in it";
-    check.defects.push_back(makeDefect(Defect::Kind::kActiveSet, index, -1, reason));
+    check.defects.push_back(regionDefect(Defect::Kind::kActiveSet, index, -1, reason));
     return check;
   }
   check.described = true;
@@ -376,10 +357,10 @@ RegionCheck checkRegion(const CheckContext& context, std::uint32_t index) {
   check.listed = matchRows(context, view, exact, check.plane_error, worst);
   if (!(check.plane_error <= context.options.plane_tolerance)) {
     Defect defect =
-        makeDefect(Defect::Kind::kPlane, index, worst,
-                   "no condition of optimality lies within the tolerance of its plane: the nearest "
-                   "differs by " +
-                       shortText(check.plane_error));
+        regionDefect(Defect::Kind::kPlane, index, worst,
+                     "no condition of optimality lies within the tolerance of its plane: the nearest "
+                     "differs by " +
+                         shortText(check.plane_error));
     defect.size = check.plane_error;
     check.defects.push_back(std::move(defect));
   }

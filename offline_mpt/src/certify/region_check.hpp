@@ -95,13 +95,13 @@ void finishCheck(const CheckContext& context, std::uint32_t index, const ExactRe
 
 RegionCheck checkRegion(const CheckContext& context, std::uint32_t index);
 
+/// The text begins with the region and, if it is not -1, its row.
+Defect regionDefect(Defect::Kind kind, std::uint32_t region, int row, const std::string& text);
+
 /// Kind and index as in the certificate, "m3".
 std::string originText(const ExactOrigin& origin);
 
-/// t in parameters, rounded.
-Eigen::VectorXd toTheta(const ExactProgram& program, const std::vector<Rational>& t);
-
-/// The reverse, without rounding.
+/// t of parameters, without rounding.
 std::vector<Rational> toScaled(const ExactProgram& program, const Eigen::VectorXd& theta);
 
 }  // namespace polyfly

@@ -48,7 +48,7 @@ bool describe(const ExactProgram& program, const std::vector<int>& active, Criti
   const std::vector<ExactRow> rows = boundingRowsAndSides(exact, program.p);
   region.active = exact.active;
   region.radius = interior.radius;
-  region.centre = toTheta(program, interior.point);
+  region.centre = program.theta(interior.point);
   region.G.resize(static_cast<Eigen::Index>(rows.size()), program.p);
   region.g.resize(region.G.rows());
   for (Eigen::Index f = 0; f < region.G.rows(); ++f) {

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "offline_mpt/certify.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -146,8 +147,7 @@ std::string certifyJson(const CertifyReport& report) {
     entry["region"] = defect.region;
     entry["row"] = defect.row;
     entry["size"] = defect.size;
-    entry["witness"] =
-        std::vector<double>(defect.witness.data(), defect.witness.data() + defect.witness.size());
+    entry["witness"] = numbersOf(defect.witness);
     entry["missing"] = defect.missing;
     entry["text"] = defect.text;
     json["defects"].push_back(std::move(entry));

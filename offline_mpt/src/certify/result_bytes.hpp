@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <type_traits>
@@ -49,117 +50,81 @@ void members(Archive& archive, RegionDrops& drops) {
   archive(drops.text, drops.rows, drops.unbounded);
 }
 
-/// Appends results to bytes.
-class ResultWriter {
+/// Appends results to bytes, or reads them back.
+class ResultArchive {
  public:
-  explicit ResultWriter(std::vector<std::byte>& bytes) : out_(bytes) {}
-
-  template <typename... T>
-  void operator()(const T&... values) {
-    (put(values), ...);
+  static ResultArchive writing(std::vector<std::byte>& bytes) {
+    ResultArchive archive;
+    archive.out_.emplace(bytes);
+    return archive;
   }
-
- private:
-  template <typename T>
-  void put(const T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      out_.put(value);
-    } else {
-      members(*this, const_cast<T&>(value));
-    }
+  static ResultArchive reading(const std::vector<std::byte>& bytes) {
+    ResultArchive archive;
+    archive.in_.emplace(bytes.data(), bytes.size(), "message of the group");
+    return archive;
   }
-  template <typename First, typename Second>
-  void put(const std::pair<First, Second>& pair) {
-    (*this)(pair.first, pair.second);
-  }
-  template <typename T>
-  void put(const std::vector<T>& list) {
-    putAll(list, list.size());
-  }
-  template <typename T>
-  void put(const std::set<T>& list) {
-    putAll(list, list.size());
-  }
-  void put(const std::string& text) { putAll(text, text.size()); }
-  void put(const Eigen::VectorXd& vector) {
-    out_.put(static_cast<std::uint64_t>(vector.size()));
-    for (Eigen::Index i = 0; i < vector.size(); ++i) put(vector[i]);
-  }
-  void put(const Integer& number) { put(number.get_str(kBase)); }
-  void put(const Rational& number) { put(number.get_str(kBase)); }
-
-  template <typename List>
-  void putAll(const List& list, std::size_t size) {
-    out_.put(static_cast<std::uint64_t>(size));
-    for (const auto& value : list) put(value);
-  }
-
-  static constexpr int kBase = 16;
-  ByteWriter out_;
-};
-
-/// Reads what ResultWriter wrote.
-class ResultReader {
- public:
-  explicit ResultReader(const std::vector<std::byte>& bytes)
-      : in_(bytes.data(), bytes.size(), "message of the group") {}
 
   template <typename... T>
   void operator()(T&... values) {
-    (get(values), ...);
+    (item(values), ...);
   }
 
  private:
+  ResultArchive() = default;
+
   template <typename T>
-  void get(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      value = in_.get<T>();
-    } else {
+  void item(T& value) {
+    if constexpr (!std::is_trivially_copyable_v<T>) {
       members(*this, value);
+    } else if (in_) {
+      value = in_->get<T>();
+    } else {
+      out_->put(value);
     }
   }
   template <typename First, typename Second>
-  void get(std::pair<First, Second>& pair) {
+  void item(std::pair<First, Second>& pair) {
     (*this)(pair.first, pair.second);
   }
   template <typename T>
-  void get(std::vector<T>& list) {
-    list.resize(size());
-    for (T& value : list) get(value);
+  void item(std::vector<T>& list) {
+    items(list);
   }
   template <typename T>
-  void get(std::set<T>& list) {
-    list.clear();
-    for (std::size_t left = size(); left > 0; --left) {
-      T value{};
-      get(value);
-      list.insert(list.end(), value);
+  void item(std::set<T>& list) {
+    std::vector<T> values(list.begin(), list.end());
+    items(values);
+    list = std::set<T>(values.begin(), values.end());
+  }
+  void item(std::string& text) { items(text); }
+  void item(Eigen::VectorXd& vector) {
+    std::vector<double> values(vector.data(), vector.data() + vector.size());
+    items(values);
+    vector = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  }
+  void item(Integer& number) { digits(number); }
+  void item(Rational& number) { digits(number); }
+
+  template <typename Number>
+  void digits(Number& number) {
+    constexpr int kBase = 16;
+    std::string text = in_ ? std::string() : number.get_str(kBase);
+    items(text);
+    if (in_) number.set_str(text, kBase);
+  }
+  template <typename List>
+  void items(List& list) {
+    auto size = static_cast<std::uint64_t>(list.size());
+    item(size);
+    if (in_) {
+      in_->need(size, 1);
+      list.resize(size);
     }
-  }
-  void get(std::string& text) {
-    text.resize(size());
-    in_.getArray(text.data(), text.size());
-  }
-  void get(Eigen::VectorXd& vector) {
-    vector.resize(static_cast<Eigen::Index>(size()));
-    in_.getArray(vector.data(), static_cast<std::size_t>(vector.size()));
-  }
-  void get(Integer& number) { number.set_str(text(), kBase); }
-  void get(Rational& number) { number.set_str(text(), kBase); }
-
-  std::string text() {
-    std::string text;
-    get(text);
-    return text;
-  }
-  std::size_t size() {
-    const auto size = in_.get<std::uint64_t>();
-    in_.need(size, 1);
-    return size;
+    for (auto& value : list) item(value);
   }
 
-  static constexpr int kBase = 16;
-  ByteReader in_;
+  std::optional<ByteWriter> out_;
+  std::optional<ByteReader> in_;
 };
 
 }  // namespace polyfly

@@ -35,12 +35,12 @@ bool fillShared(std::vector<Result>& results, const CertifyOptions& options,
   finished = finished && (options.stop == nullptr || !options.stop->load());
   if (size == 1) return finished;
   std::vector<std::byte> mine;
-  ResultWriter out(mine);
+  ResultArchive out = ResultArchive::writing(mine);
   out(finished);
   for (std::uint64_t i = rank; i < results.size() && finished; i += size) out(results[i]);
   const std::vector<std::vector<std::byte>> all = exchange.round(std::move(mine));
   for (std::uint64_t other = 0; other < size; ++other) {
-    ResultReader in(all[other]);
+    ResultArchive in = ResultArchive::reading(all[other]);
     bool theirs = false;
     in(theirs);
     if (!theirs) return false;

@@ -8,7 +8,7 @@
 
 #include "certify/facet_cover.hpp"
 #include "certify/tolerances.hpp"
-#include "region_maps/region_map.hpp"
+#include "support/region_distance.hpp"
 
 namespace polyfly {
 namespace {
@@ -91,14 +91,7 @@ bool nearlyHolds(const CheckContext& context, const std::vector<RegionCheck>& ch
       return std::inner_product(point.begin(), point.end(), row.unit.begin(), -row.unit.back()) <= most;
     });
   }
-  const RegionView view = context.map.region(region);
-  const Eigen::VectorXd theta = toTheta(context.program, t);
-  return std::all_of(view.rows, view.rows + view.row_count, [&](std::int32_t row) {
-    const double* const plane = context.map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
-    const double distance =
-        Eigen::Map<const Eigen::VectorXd>(plane, theta.size()).dot(theta) - plane[theta.size()];
-    return (row > 0 ? distance : -distance) <= most;
-  });
+  return isWithin(context.map, region, context.program.theta(t), most);
 }
 
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {

@@ -25,15 +25,11 @@ struct RegionDifferences {
 class MapComparison {
  public:
   MapComparison(const MapCells& first, const MapCells& second, const std::vector<Signal>& ranges)
-      : first_(first),
-        second_(second),
-        boxes_(boxTree(second.regions())),
-        inputs_(first.exact().map().inputs().size()),
-        ranges_(ranges) {}
+      : first_(first), second_(second), inputs_(first.exact().map().inputs().size()), ranges_(ranges) {}
 
   RegionDifferences compare(const MapCell& cell) const {
     RegionDifferences result;
-    for (const std::uint32_t candidate : boxes_.meeting(cell.box)) {
+    for (const std::uint32_t candidate : meeting(second_.regions(), cell.box)) {
       const MapCell& other = second_.regions()[candidate];
       if (areOpposed(cell, other)) continue;
       std::vector<const ExactRow*> rows = cell.cell.rows;
@@ -81,14 +77,12 @@ class MapComparison {
     const double* const u = map.law(map.region(first).law) + input * (p + 1);
     const double* const v = other.law(other.region(second).law) + input * (p + 1);
     if (std::equal(u, u + p + 1, v)) return result;
-    std::vector<Rational> difference(p + 1), opposite;
-    difference[p] = Rational(u[p]) - Rational(v[p]);
-    for (std::size_t j = 0; j < p; ++j) {
-      const Rational gain = Rational(u[j]) - Rational(v[j]);
-      difference[j] = gain * ranges_.half[j];
-      difference[p] += gain * ranges_.centre[j];
+    std::vector<Rational> difference = ranges_.inBox(u, u[p]), opposite;
+    const std::vector<Rational> other_law = ranges_.inBox(v, v[p]);
+    for (std::size_t j = 0; j <= p; ++j) {
+      difference[j] -= other_law[j];
+      opposite.emplace_back(-difference[j]);
     }
-    for (const Rational& entry : difference) opposite.emplace_back(-entry);
     LinearMaximum maximum = maximise(rows, difference);
     LinearMaximum minimum = maximise(rows, opposite);
     const LinearMaximum& worst = maximum.value >= minimum.value ? maximum : minimum;
@@ -99,7 +93,6 @@ class MapComparison {
 
   const MapCells& first_;
   const MapCells& second_;
-  BoxTree boxes_;
   std::size_t inputs_;
   ExactRanges ranges_;
 };
@@ -111,17 +104,14 @@ using MeetingRegions = std::vector<std::vector<std::uint32_t>>;
 class CoverCheck {
  public:
   /// `meeting` by regions of the other map.
-  CoverCheck(const MapCells& map, const MeetingRegions& meeting)
-      : map_(map), meeting_(meeting), boxes_(boxTree(map.regions())) {
+  CoverCheck(const MapCells& map, const MeetingRegions& meeting) : map_(map), meeting_(meeting) {
     for (const MapCell& region : map.regions()) all_.push_back(region.region);
   }
 
   bool covers(const MapCell& region, std::vector<Rational>& witness) const {
-    ExactCell cell = region.cell;
+    const ExactCell& cell = region.cell;
     for (const ExactRow& side : map_.sides()) {
-      std::vector<Rational> beyond;
-      for (const Integer& value : side.value) beyond.emplace_back(-value);
-      const ExactRow outside = wholeRow(beyond);
+      const ExactRow outside = opposite(side);
       std::vector<const ExactRow*> rows = cell.rows;
       rows.push_back(&outside);
       Interior interior = findInterior(rows, nullptr, map_.exact().p());
@@ -133,7 +123,8 @@ class CoverCheck {
     // Regions that only touch, or lie within the tolerance, matter in slivers alone.
     if (isIn(cell, meeting_[region.region], witness)) return true;
     std::vector<std::uint32_t> near;
-    for (const std::uint32_t i : boxes_.meeting(region.box)) near.push_back(map_.regions()[i].region);
+    for (const std::uint32_t i : meeting(map_.regions(), region.box))
+      near.push_back(map_.regions()[i].region);
     return isIn(cell, near, witness) || isIn(cell, all_, witness);
   }
 
@@ -152,7 +143,6 @@ class CoverCheck {
 
   const MapCells& map_;
   const MeetingRegions& meeting_;
-  BoxTree boxes_;
   // Regions of the map that have an interior.
   std::vector<std::uint32_t> all_;
 };

@@ -27,10 +27,6 @@ std::string coverText(const char* map, const char* other, const MapCover& cover)
          std::to_string(cover.region) + " of the " + other + "\n";
 }
 
-nlohmann::ordered_json numbersOf(const Eigen::VectorXd& vector) {
-  return std::vector<double>(vector.data(), vector.data() + vector.size());
-}
-
 nlohmann::ordered_json differenceJson(const LawDifference& difference,
                                       const std::vector<std::string>& inputs) {
   nlohmann::ordered_json json;

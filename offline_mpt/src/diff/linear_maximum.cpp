@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "arithmetic/exact_numbers.hpp"
 #include "diff/tolerances.hpp"
 #include "lp/box_maximum.hpp"
 #include "lp/float_lp.hpp"
@@ -10,9 +11,7 @@
 namespace polyfly {
 LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vector<Rational>& function) {
   const std::size_t p = function.size() - 1;
-  Integer denominator(1);
-  for (const Rational& entry : function)
-    mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
+  const Integer denominator = commonDenominator(function);
   std::vector<Integer> direction;
   std::vector<double> rounded;
   for (std::size_t j = 0; j < p; ++j) {
@@ -20,14 +19,9 @@ LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vect
     rounded.push_back(function[j].get_d());
   }
   FloatLp guess(static_cast<int>(p));
-  std::vector<std::vector<Integer>> half_spaces;
-  for (const ExactRow* row : rows) {
-    half_spaces.push_back(row->value);
-    for (std::size_t j = 0; j < p; ++j) half_spaces.back()[j] *= -1;
-    guess.add(row->unit);
-  }
+  for (const ExactRow* row : rows) guess.add(row->unit);
   guess.maximise(rounded);
-  BoxMaximum maximum = maximiseInBox(half_spaces, direction, guess.basis());
+  BoxMaximum maximum = maximiseInBox(halfSpaces(rows), direction, guess.basis());
   if (!maximum.exists) throw Error("a linear program over two regions that meet has no solution");
   return {maximum.objective / Rational(denominator) + function[p], std::move(maximum.x)};
 }

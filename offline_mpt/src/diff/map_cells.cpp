@@ -24,6 +24,13 @@ void requireSameNames(const std::vector<Signal>& first, const std::vector<Signal
   }
 }
 
+bool boxesMeet(const Box& first, const Box& second) {
+  for (std::size_t j = 0; j < first.lower.size(); ++j) {
+    if (first.lower[j] >= second.upper[j] || second.lower[j] >= first.upper[j]) return false;
+  }
+  return true;
+}
+
 void findBox(int p, MapCell& cell) {
   std::vector<double> direction(static_cast<std::size_t>(p));
   for (double& entry : direction) {
@@ -85,20 +92,19 @@ void MapCells::addRegions(int threads) {
   inParallel(all.size(), threads, nullptr, {}, [&](std::size_t, std::uint64_t i) {
     MapCell& region = all[i];
     region.region = static_cast<std::uint32_t>(i);
-    if (!cellOf(exact_, region.region, region.cell)) return;
-    for (const ExactRow& side : sides_) region.cell.rows.push_back(&side);
-    region.cell.certain = sides_.empty();
-    if (makeCertain(exact_, region.cell)) findBox(exact_.p(), region);
+    if (cellOf(exact_, region.region, region.cell, sides_)) findBox(exact_.p(), region);
   });
   for (MapCell& region : all) {
     if (!region.box.upper.empty()) regions_.push_back(std::move(region));
   }
 }
 
-BoxTree boxTree(const std::vector<MapCell>& cells) {
-  std::vector<const Box*> boxes;
-  for (const MapCell& cell : cells) boxes.push_back(&cell.box);
-  return BoxTree(std::move(boxes));
+std::vector<std::uint32_t> meeting(const std::vector<MapCell>& cells, const Box& box) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    if (boxesMeet(cells[i].box, box)) found.push_back(i);
+  }
+  return found;
 }
 
 }  // namespace polyfly

@@ -5,9 +5,13 @@
 #include <vector>
 
 #include "certify/reduction/tree_partition.hpp"
-#include "diff/box_tree.hpp"
 
 namespace polyfly {
+
+/// An axis-aligned box.
+struct Box {
+  std::vector<double> lower, upper;
+};
 
 /// A region with a point strictly inside, and a box that holds it.
 struct MapCell {
@@ -45,7 +49,7 @@ class MapCells {
   std::vector<MapCell> regions_;
 };
 
-/// The boxes of cells, which must outlive the tree.
-BoxTree boxTree(const std::vector<MapCell>& cells);
+/// Places, ascending, of the cells whose boxes meet `box` with their interiors.
+std::vector<std::uint32_t> meeting(const std::vector<MapCell>& cells, const Box& box);
 
 }  // namespace polyfly

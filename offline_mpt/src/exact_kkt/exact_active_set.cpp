@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "exact_kkt/exact_region.hpp"
-#include "offline_mpt/exact_lp.hpp"
 
 namespace polyfly {
 namespace {
@@ -140,23 +139,8 @@ class DualSteps {
 
 /// Where H is zero: the rows with a multiplier. A feasible z is optimal at t where all of them are tight, and nowhere else.
 std::optional<std::vector<int>> rowsOfOptima(const ExactProgram& program, const std::vector<Rational>& t) {
-  ExactLp lp;
-  lp.addColumns(program.n);
-  lp.addRows(program.m);
-  for (int i = 0; i < program.n; ++i) {
-    lp.setColumnBounds(i, ExactLp::Bound::kFree, 0, 0);
-    lp.setObjective(i, valueAt(program.cost, i, t));
-  }
-  for (int row = 0; row < program.m; ++row) {
-    const auto at = static_cast<std::size_t>(row);
-    if (program.in_basis[at] == 0 && (program.is_equality[at] != 0 || program.is_dropped[at] != 0)) continue;
-    const Rational bound = valueAt(program.bound, row, t);
-    lp.setRowBounds(row, program.in_basis[at] != 0 ? ExactLp::Bound::kFixed : ExactLp::Bound::kUpper, bound,
-                    bound);
-    for (int i = 0; i < program.n; ++i) {
-      if (program.A(row, i) != 0) lp.setCoefficient(row, i, program.A(row, i));
-    }
-  }
+  ExactLp lp = rowsAt(program, t);
+  setCostAt(program, t, lp);
   if (lp.solve() != ExactLp::Status::kOptimal) return std::nullopt;
   std::vector<int> rows;
   for (int row = 0; row < program.m; ++row) {
@@ -182,6 +166,27 @@ std::optional<std::vector<int>> shortestSetAt(const ExactProgram& program, const
 }
 
 }  // namespace
+
+ExactLp rowsAt(const ExactProgram& program, const std::vector<Rational>& t, bool of_directions) {
+  ExactLp lp;
+  lp.addColumns(program.n, ExactLp::Bound::kFree);
+  lp.addRows(program.m);
+  for (int row = 0; row < program.m; ++row) {
+    const auto at = static_cast<std::size_t>(row);
+    if (program.in_basis[at] == 0 && (program.is_equality[at] != 0 || program.is_dropped[at] != 0)) continue;
+    const Rational bound = of_directions ? Rational(0) : valueAt(program.bound, row, t);
+    lp.setRowBounds(row, program.in_basis[at] != 0 ? ExactLp::Bound::kFixed : ExactLp::Bound::kUpper, bound,
+                    bound);
+    for (int i = 0; i < program.n; ++i) {
+      if (program.A(row, i) != 0) lp.setCoefficient(row, i, program.A(row, i));
+    }
+  }
+  return lp;
+}
+
+void setCostAt(const ExactProgram& program, const std::vector<Rational>& t, ExactLp& lp) {
+  for (int i = 0; i < program.n; ++i) lp.setObjective(i, valueAt(program.cost, i, t));
+}
 
 std::optional<std::vector<int>> activeSetAt(const ExactProgram& program, const std::vector<Rational>& t,
                                             const std::vector<int>& start) {

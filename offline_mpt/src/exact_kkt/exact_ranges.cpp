@@ -17,6 +17,25 @@ ExactRanges::ExactRanges(const std::vector<Signal>& parameters) {
   }
 }
 
+std::vector<Rational> ExactRanges::inBox(const double* entries, double constant, int sign) const {
+  std::vector<Rational> result;
+  Rational rest(constant);
+  for (std::size_t j = 0; j < half.size(); ++j) {
+    const Rational entry(entries[j]);
+    result.push_back(sign * entry * half[j]);
+    rest += entry * centre[j];
+  }
+  result.push_back(sign * rest);
+  return result;
+}
+
+Eigen::VectorXd ExactRanges::theta(const std::vector<Rational>& t) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(t.size()));
+  for (std::size_t j = 0; j < t.size(); ++j)
+    result(static_cast<Eigen::Index>(j)) = Rational(centre[j] + half[j] * t[j]).get_d();
+  return result;
+}
+
 Rational ExactRanges::roundingOf(const double* entries, const Rational& reach) const {
   const std::size_t p = half.size();
   Rational size = abs(Rational(entries[p]));

@@ -132,6 +132,21 @@ ExactRow boxRow(int p, int index) {
   return makeRow({ExactOrigin::Kind::kBox, index}, std::move(value));
 }
 
+std::vector<std::vector<Integer>> halfSpaces(const std::vector<const ExactRow*>& rows) {
+  std::vector<std::vector<Integer>> result;
+  for (const ExactRow* row : rows) {
+    result.push_back(row->value);
+    for (auto value = result.back().begin(); value + 1 != result.back().end(); ++value) *value = -*value;
+  }
+  return result;
+}
+
+ExactRow opposite(ExactRow row) {
+  for (Integer& value : row.value) value = -value;
+  finishRow(row);
+  return row;
+}
+
 bool sameHalfSpace(const ExactRow& row, const ExactRow& other) {
   std::size_t k = 0;
   while (k + 1 < other.value.size() && other.value[k] == 0) ++k;

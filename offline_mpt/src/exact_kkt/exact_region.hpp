@@ -109,6 +109,12 @@ ExactRow boxRow(int p, int index);
 /// Divides by the common factor, fills `unit`, `bits` and `length`.
 void finishRow(ExactRow& row);
 
+/// Of each row (a, b) with a . t <= b, as maximiseInBox has it.
+std::vector<std::vector<Integer>> halfSpaces(const std::vector<const ExactRow*>& rows);
+
+/// The other side of the row's plane.
+ExactRow opposite(ExactRow row);
+
 /// Whether `row` is a positive multiple of `other`.
 bool sameHalfSpace(const ExactRow& row, const ExactRow& other);
 

@@ -196,10 +196,10 @@ int ExactLp::addRows(int count) {
   return first;
 }
 
-int ExactLp::addColumns(int count) {
+int ExactLp::addColumns(int count, Bound type) {
   const int first = columnCount();
   columns_.resize(columns_.size() + static_cast<std::size_t>(count));
-  for (int j = first; j < columnCount(); ++j) columns_[static_cast<std::size_t>(j)].type = Bound::kLower;
+  for (int j = first; j < columnCount(); ++j) columns_[static_cast<std::size_t>(j)].type = type;
   status_ = Status::kUndefined;
   return first;
 }

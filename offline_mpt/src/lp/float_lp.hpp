@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -18,10 +19,19 @@ class FloatLp {
   explicit FloatLp(int dimension) : dimension_(dimension), kernel_(makeKernel(dimension)) {}
 
   void clear() { rows_.clear(); }
-  void add(const std::vector<double>& a_b);  ///< dimension + 1 numbers, |a| = 1 advised
+  /// dimension + 1 numbers, |a| = 1 advised.
+  void add(const std::vector<double>& a_b) { rows_.insert(rows_.end(), a_b.begin(), a_b.end()); }
   int count() const { return static_cast<int>(rows_.size()) / (dimension_ + 1); }
 
-  Status maximise(const std::vector<double>& c);
+  Status maximise(const std::vector<double>& c) {
+    optimum_ = {};
+    if (!kernel_) return Status::kFailed;
+    const Status status = kernel_->maximiseInBox(rows_.data(), count(), c.data(), optimum_);
+    if (status == Status::kFailed) optimum_ = {};
+    if (status == Status::kOptimal)
+      objective_ = std::inner_product(c.begin(), c.end(), optimum_.t.begin(), 0.0);
+    return status;
+  }
 
   /// Of the last answer, see BoxOptimum. Empty if it failed.
   const std::vector<double>& x() const { return optimum_.t; }

@@ -27,7 +27,7 @@ PolytopeSolver::PolytopeSolver(PolytopeSolver&&) noexcept = default;
 PolytopeSolver& PolytopeSolver::operator=(PolytopeSolver&&) noexcept = default;
 
 // The ball of radius r around t lies inside when a_i . t + r <= b_i: one more variable, and any t is a start.
-bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, double& radius) {
+bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, double& radius, bool exactly) {
   const int n = dimension_;
   lifted_rows_.resize(static_cast<std::size_t>(count) * (n + 2));
   double least = std::numeric_limits<double>::infinity();
@@ -49,12 +49,12 @@ bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, do
   std::copy(centre, centre + n, start);
   start[n] = least - 0.5;
   direction[n] = 1.0;
-  if (!lifted_->maximise(lifted_rows_.data(), count, start, direction, best) &&
+  if ((exactly || !lifted_->maximise(lifted_rows_.data(), count, start, direction, best)) &&
       !maximiseRationally(n + 1, lifted_rows_.data(), count, start, direction, best)) {
     return false;
   }
   std::copy(best, best + n, centre);
-  radius = radiusAbout(rows, count, centre);
+  radius = exactly ? best[n] : radiusAbout(rows, count, centre);
   return true;
 }
 

@@ -49,8 +49,8 @@ class PolytopeSolver {
 
   /// Centre and radius of the largest inscribed ball. The radius is negative when the polytope is empty (it
   /// then says by how much). `centre` is read as a guess and overwritten. False when there is none: the
-  /// polytope is unbounded.
-  bool chebyshev(const double* rows, int count, double* centre, double& radius);
+  /// polytope is unbounded. `exactly`: in rational arithmetic, rounded once.
+  bool chebyshev(const double* rows, int count, double* centre, double& radius, bool exactly = false);
 
   /// The same where the first rows are those of the box [-1, 1]^n, t_j <= 1 and -t_j <= 1 in turn, all rows
   /// of unit length; no guess is read. Where the radius is below -tolerance::kHopelessRadius, it is an upper bound and

@@ -15,12 +15,9 @@ bool maximiseRationally(int dimension, const double* rows, int count, const doub
   if (!std::all_of(start, start + dimension, is_finite)) return false;
   ExactLp lp;
   lp.setSense(ExactLp::Sense::kMaximise);
-  lp.addColumns(dimension);
+  lp.addColumns(dimension, ExactLp::Bound::kFree);
   lp.addRows(count);
-  for (int j = 0; j < dimension; ++j) {
-    lp.setColumnBounds(j, ExactLp::Bound::kFree, 0, 0);
-    lp.setObjective(j, Rational(direction[j]));
-  }
+  for (int j = 0; j < dimension; ++j) lp.setObjective(j, Rational(direction[j]));
   for (int i = 0; i < count; ++i) {
     const double* const row = rows + static_cast<std::ptrdiff_t>(i) * (dimension + 1);
     if (!std::all_of(row, row + dimension + 1, is_finite)) return false;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace polyfly {
 
@@ -15,6 +16,10 @@ inline std::string vectorText(const Eigen::VectorXd& vector) {
     text += number;
   }
   return text + ")";
+}
+
+inline std::vector<double> numbersOf(const Eigen::VectorXd& vector) {
+  return {vector.data(), vector.data() + vector.size()};
 }
 
 }  // namespace polyfly

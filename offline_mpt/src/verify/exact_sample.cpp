@@ -16,12 +16,6 @@ void setRow(ExactLp& lp, int at, const Eigen::MatrixXd& M, int row, int first) {
   }
 }
 
-int addFreeColumns(ExactLp& lp, int count) {
-  const int first = lp.addColumns(count);
-  for (int j = 0; j < count; ++j) lp.setColumnBounds(first + j, Bound::kFree, 0, 0);
-  return first;
-}
-
 /// expression <= bound, in a new row of it.
 int addRowBelow(ExactLp& lp, const Rational& bound) {
   const int row = lp.addRows(1);
@@ -45,7 +39,7 @@ Rational ExactSample::roomInSet(int row) const { return valueAt(-program_.A_thet
 // Columns z, rows of the program.
 ExactLp ExactSample::rowsAtTheta() const {
   ExactLp lp;
-  addFreeColumns(lp, program_.variableCount());
+  lp.addColumns(program_.variableCount(), Bound::kFree);
   lp.addRows(program_.rowCount());
   for (int i = 0; i < program_.rowCount(); ++i) {
     lp.setRowBounds(i, Bound::kUpper, 0, valueAt(program_.S, program_.b, i));
@@ -78,7 +72,7 @@ std::optional<ExactSample::Nearest> ExactSample::nearestFeasible() const {
     return Rational((Rational(signal.upper) - Rational(signal.lower)) / 2);
   };
   ExactLp lp = rowsAtTheta();
-  const int d = addFreeColumns(lp, p), r = lp.addColumns(1);
+  const int d = lp.addColumns(p), r = lp.addColumns(1);
   lp.setObjective(r, 1);
   const auto moved = [&](int row, const Eigen::MatrixXd& M, int i, int sign) {
     for (int j = 0; j < p; ++j) {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "lp/rational_polytope.hpp"
 #include "region_maps/region_map.hpp"
 #include "verify/tolerances.hpp"
 
@@ -78,27 +77,12 @@ double ParameterSampler::gatherRows(std::uint64_t index) {
   centre_.setZero(p);
   double radius = 0.0;
   const int count = static_cast<int>(rows_.size()) / static_cast<int>(p + 1);
-  const bool found = solver_.chebyshevInBox(rows_.data(), count, centre_.data(), radius);
-  return found && radius > tolerance::kCertainRadius ? radius : exactRadius();
-}
-
-// In fractions, where rounding might decide: the greatest r with a . t + r <= b for all rows.
-double ParameterSampler::exactRadius() {
-  const auto p = static_cast<std::size_t>(middle_.size());
-  std::vector<double> lifted, start(p + 1, 0.0), direction(p + 1, 0.0), point(p + 1);
-  for (std::size_t first = 0; first < rows_.size(); first += p + 1) {
-    const double* const row = rows_.data() + first;
-    lifted.insert(lifted.end(), row, row + p);
-    lifted.push_back(1.0);
-    lifted.push_back(row[p]);
-    start[p] = std::min(start[p], row[p]);
-  }
-  direction[p] = 1.0;
-  const int dimension = static_cast<int>(p) + 1, count = static_cast<int>(lifted.size()) / (dimension + 1);
-  if (!maximiseRationally(dimension, lifted.data(), count, start.data(), direction.data(), point.data()))
-    return -std::numeric_limits<double>::infinity();
-  centre_ = Eigen::Map<const Eigen::VectorXd>(point.data(), middle_.size());
-  return point[p];
+  if (solver_.chebyshevInBox(rows_.data(), count, centre_.data(), radius) &&
+      radius > tolerance::kCertainRadius)
+    return radius;
+  // In fractions, where rounding might decide.
+  const bool found = solver_.chebyshev(rows_.data(), count, centre_.data(), radius, true);
+  return found ? radius : -std::numeric_limits<double>::infinity();
 }
 
 // Moves t along a direction to the nearest face. Returns its number, -1 if there is none.

@@ -49,7 +49,6 @@ class ParameterSampler {
   double bound(Eigen::Index row) const { return *(normal(row).data() + middle_.size()); }
 
   double gatherRows(std::uint64_t region);
-  double exactRadius();
   Eigen::Index walk(Eigen::VectorXd& t, const Eigen::VectorXd& along) const;
   Sample toParameters(const Eigen::VectorXd& t, double radius) const;
 

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mpc_core/double_double.hpp"
 #include "mpc_core/parametric_program.hpp"
+#include "mpc_core/wide_matrix.hpp"
 
 namespace polyfly {
 
@@ -49,46 +49,44 @@ class StrictQp {
   }
 
  private:
-  using Vector = std::vector<DoubleDouble>;
+  using Vector = Eigen::Matrix<DoubleDouble, Eigen::Dynamic, 1>;
 
-  Vector hessian() const;
-  void addEqualities(Vector& H);
-  void solveLower(Vector& x) const;
-  void solveUpper(Vector& x) const;
-  const Vector& row(int index);
+  WideMatrix hessian() const;
+  void addEqualities(WideMatrix& H);
+  void factorise(const WideMatrix& H);
   void setParameter(const Eigen::VectorXd& theta);
   void begin(const std::vector<int>& guess);
   bool append(int index);
   void remove(std::size_t place);
+  WideMatrix tightRows() const;
   Vector solveTight(Vector right) const;
   void findMultipliers();
   void findMinimiser();
-  int mostViolated(double reach);
+  int mostViolated(double reach) const;
   bool meet(int index);
   bool isEquality(int index) const { return equality_[static_cast<std::size_t>(index)] != 0; }
   Eigen::VectorXd output(const Eigen::VectorXd& theta) const;
 
   const ParametricProgram* program_;
-  int n_ = 0;
   Convexity convexity_;
   bool definite_ = false;
   // Weight of the squares of the equalities in the cost.
   std::vector<double> equality_weights_;
   std::vector<char> equality_;
-  // H = L L', row-major lower triangle in full rows.
-  Vector L_;
-  // L^-1 a_i of row i, once it was asked for, and its squared length.
-  std::vector<Vector> rows_;
-  std::vector<double> squared_;
+  // H = L L'.
+  WideMatrix L_;
+  // A column L^-1 a_i for each row, and its squared length.
+  WideMatrix rows_;
+  Vector squared_;
   // Lengths of L^-1 e_k of the outputs.
   Eigen::VectorXd output_length_;
 
   // At the current parameter: L^-1 g, bounds of the rows, minimiser.
   Vector gradient_, bounds_, z_;
-  // Tight rows, their multipliers, and the Cholesky factor of their products.
+  // Tight rows, their multipliers, and the Cholesky factor of their products, in its first rows and columns.
   std::vector<int> tight_;
   Vector multipliers_;
-  std::vector<Vector> factor_;
+  WideMatrix factor_;
   int changes_ = 0;
 };
 

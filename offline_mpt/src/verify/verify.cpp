@@ -9,6 +9,7 @@
 #include "offline_mpt/partition.hpp"
 #include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
+#include "support/region_distance.hpp"
 #include "verify/answer_checker.hpp"
 #include "verify/parameter_sampler.hpp"
 #include "verify/same_signals.hpp"
@@ -146,24 +147,12 @@ class Checker {
            (inside && !map_.contains(lookup.region, theta.data()));
   }
 
-  bool holds(std::size_t index, const Eigen::VectorXd& theta) const {
-    const RegionView region = map_.region(index);
-    const Eigen::Index p = theta.size();
-    for (std::uint32_t i = 0; i < region.row_count; ++i) {
-      const std::int32_t row = region.rows[i];
-      const double* plane = map_.plane(static_cast<std::size_t>(std::abs(row)) - 1);
-      const double excess = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
-      if ((row > 0 ? excess : -excess) > 0.0) return false;
-    }
-    return true;
-  }
-
   // Without the map's tolerance: beside a face a steep law of the neighbour may differ by more.
   void checkOverlap(const Eigen::VectorXd& theta, const SampleFinding& finding, VerifyReport& report) {
     const Eigen::Index p = theta.size();
     double worst = 0.0;
     for (std::size_t index = 0; index < map_.regionCount(); ++index) {
-      if (!holds(index, theta)) continue;
+      if (!isWithin(map_, index, theta, 0.0)) continue;
       const double* law = map_.law(map_.region(index).law);
       for (Eigen::Index i = 0; i < ranges_.size(); ++i) {
         const double* row = law + i * (p + 1);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "offline_mpt/verify.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -29,10 +30,6 @@ std::vector<NamedFinding> findings(const VerifyReport& report) {
       {"unbounded", "feasible, cost unbounded below", "", &report.unbounded},
       {"undecided", "undecided: the optimum was not found", "", &report.undecided},
   };
-}
-
-std::vector<double> numbers(const Eigen::VectorXd& vector) {
-  return {vector.data(), vector.data() + vector.size()};
 }
 
 void writeVector(std::ostream& out, const Eigen::VectorXd& vector) {
@@ -94,14 +91,14 @@ std::string verifyJson(const VerifyReport& report) {
   json["borderline"] = report.borderline;
   json["max_error"] = report.max_error;
   json["max_scaled_error"] = report.max_scaled_error;
-  json["max_error_theta"] = numbers(report.max_error_theta);
+  json["max_error_theta"] = numbersOf(report.max_error_theta);
   json["max_error_region"] = report.max_error_region;
   for (const NamedFinding& item : findings(report)) {
     auto& entry = json[item.key];
     entry["count"] = item.finding->count;
     if (item.finding->count == 0) continue;
     if (*item.measure != '\0') entry["worst"] = item.finding->worst;
-    entry["example"] = numbers(item.finding->example);
+    entry["example"] = numbersOf(item.finding->example);
   }
   json["regions"] = report.regions;
   json["regions_hit"] = report.regions_hit;

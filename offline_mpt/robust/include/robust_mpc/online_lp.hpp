@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "robust_mpc/robust_program.hpp"
 
@@ -26,6 +28,10 @@ class OnlineLp {
   /// In floating point: peak within about 1e-10 of the optimum. The move is chosen with so much slack in tau,
   /// which a position output magnifies by 1 / (C B). Throws Error when the simplex method does not end.
   Answer solve(const Eigen::VectorXd& theta);
+
+  /// The input u_0 that is applied, u~_0 with what references add: theta in the order of the problem's parameters. None where no
+  /// plan meets all bounds.
+  std::optional<double> input(const double* theta);
 
   struct ExactAnswer {
     bool feasible = false;

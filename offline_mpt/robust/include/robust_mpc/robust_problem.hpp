@@ -96,10 +96,10 @@ struct RobustProblem {
   bool peak_in_map = false;
   std::vector<Parameter> parameters;
 
-  int stateCount() const { return A.rows(); }
-  int inputCount() const { return B.columns(); }
-  int channelCount() const { return G.columns(); }
-  int outputCount() const { return C.rows(); }
+  int stateCount() const { return static_cast<int>(A.rows()); }
+  int inputCount() const { return static_cast<int>(B.cols()); }
+  int channelCount() const { return static_cast<int>(G.cols()); }
+  int outputCount() const { return static_cast<int>(C.rows()); }
   int parameterCount() const { return static_cast<int>(parameters.size()); }
   /// Entries of theta that are errors, by state.
   std::vector<int> errorParameters() const;

@@ -27,8 +27,8 @@ struct UncertainModel {
   /// Margin times half of upper - lower. Admissible inputs leave it free, for the answers of a map.
   RationalVector slack;  ///< n
 
-  int stateCount() const { return A.rows(); }
-  int inputCount() const { return B.columns(); }
+  int stateCount() const { return static_cast<int>(A.rows()); }
+  int inputCount() const { return static_cast<int>(B.cols()); }
 };
 
 /// Samples the model of a problem. W bounds a sum, entry by entry. Its terms are disturbances that vary in any way

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "polytope_sets/rational.hpp"
@@ -11,22 +10,20 @@ namespace polyfly {
 /// A set of small whole numbers: which rows are tight, which vertices a face holds.
 class TightSet {
  public:
-  void set(std::size_t index) {
-    if (index / kBits >= words_.size()) words_.resize(index / kBits + 1);
-    words_[index / kBits] |= std::uint64_t{1} << (index % kBits);
-  }
-  bool test(std::size_t index) const {
-    return index / kBits < words_.size() && ((words_[index / kBits] >> (index % kBits)) & 1u) != 0;
-  }
-  std::size_t count() const;
+  void set(std::size_t index) { mpz_setbit(bits_.get_mpz_t(), index); }
+  bool test(std::size_t index) const { return mpz_tstbit(bits_.get_mpz_t(), index) != 0; }
+  std::size_t count() const { return mpz_popcount(bits_.get_mpz_t()); }
   bool contains(const TightSet& other) const;  ///< every member of `other` is one of this
-  bool operator==(const TightSet& other) const { return contains(other) && other.contains(*this); }
-  bool operator<(const TightSet& other) const;  ///< any strict order
-  TightSet operator&(const TightSet& other) const;
+  bool operator==(const TightSet& other) const { return bits_ == other.bits_; }
+  bool operator<(const TightSet& other) const { return bits_ < other.bits_; }  ///< any strict order
+  TightSet operator&(const TightSet& other) const {
+    TightSet result;
+    result.bits_ = bits_ & other.bits_;
+    return result;
+  }
 
  private:
-  static constexpr std::size_t kBits = 64;
-  std::vector<std::uint64_t> words_;
+  Integer bits_;
 };
 
 /// The cone {y : row . y >= 0 for all rows} by its generators, kept up to date while rows are added. This is the

@@ -13,6 +13,15 @@ struct ExactHalfSpace {
   Rational b;
 };
 
+/// Whole numbers r without a common factor: r . (x_0, x) >= 0 where a . x / x_0 <= b.
+std::vector<Integer> coneRow(const ExactHalfSpace& row);
+
+/// Whole numbers without a common factor in the proportions of (1, x).
+std::vector<Integer> homogeneous(const RationalVector& point);
+
+/// x / x_0 of (x_0, x); x where x_0 = 0.
+RationalVector pointOf(const std::vector<Integer>& ray);
+
 /// {x : a . x <= b for all rows, a . x = b for all equalities}, in exact fractions. May be empty, flat,
 /// unbounded, and described by more rows than it needs.
 struct ExactPolytope {

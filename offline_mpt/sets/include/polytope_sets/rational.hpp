@@ -2,9 +2,27 @@
 
 #include <gmpxx.h>
 
-#include <cstddef>
+#include <Eigen/Core>
 #include <string>
 #include <vector>
+
+/// What Eigen asks of the numbers of a matrix.
+template <>
+struct Eigen::NumTraits<mpq_class> : Eigen::GenericNumTraits<mpq_class> {
+  using Real = mpq_class;
+  using NonInteger = mpq_class;
+  using Nested = mpq_class;
+  using Literal = double;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 10,
+    AddCost = 100,
+    MulCost = 100
+  };
+};
 
 namespace polyfly {
 
@@ -12,31 +30,14 @@ using Integer = mpz_class;
 using Rational = mpq_class;
 using RationalVector = std::vector<Rational>;
 
-/// Fractions, row-major.
-class RationalMatrix {
- public:
-  RationalMatrix() = default;
-  RationalMatrix(int rows, int columns)
-      : rows_(rows),
-        columns_(columns),
-        entries_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {}
-  static RationalMatrix identity(int size);
+/// Fractions. The entries of a new one are 0.
+using RationalMatrix = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic>;
 
-  int rows() const { return rows_; }
-  int columns() const { return columns_; }
-  Rational& operator()(int row, int column) { return entries_[at(row, column)]; }
-  const Rational& operator()(int row, int column) const { return entries_[at(row, column)]; }
+/// The doubles of a matrix, exactly.
+RationalMatrix exactly(const Eigen::MatrixXd& matrix);
 
- private:
-  std::size_t at(int row, int column) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(column);
-  }
-
-  int rows_ = 0;
-  int columns_ = 0;
-  std::vector<Rational> entries_;
-};
+/// Each entry rounded to the nearest double.
+Eigen::MatrixXd toDoubles(const RationalMatrix& matrix);
 
 /// a' b; both of one length.
 Rational dot(const RationalVector& a, const RationalVector& b);
@@ -49,6 +50,9 @@ RationalVector applyTransposed(const RationalMatrix& M, const RationalVector& a)
 
 /// The double nearest to a fraction; of two equally near ones, the one farther from zero.
 double nearestDouble(const Rational& value);
+
+/// The multiple of `step` nearest to a fraction; of two equally near ones, the greater.
+Rational nearestMultiple(const Rational& value, const Rational& step);
 
 /// Reads "-3", "0.1" (one tenth, not the double beside it), "2.5e-3" or "1/3". False when it is none of
 /// these, or an exponent exceeds +-400.

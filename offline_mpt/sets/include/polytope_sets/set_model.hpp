@@ -4,17 +4,13 @@
 #include <vector>
 
 #include "polytope_sets/exact_polytope.hpp"
+#include "region_maps/signal.hpp"
 
 namespace polyfly {
 
-struct ModelSignal {
-  std::string name;
-  std::string unit;
-};
-
 /// A parameter of a map that is no state of the model.
 struct ModelParameter {
-  ModelSignal signal;
+  Signal signal;
   int input = -1;  ///< its next value is this input's present one (u_prev); -1: it is held constant
 };
 
@@ -24,9 +20,10 @@ struct ModelParameter {
 /// state moves. D is bounded and not empty (the one point of zero dimensions when nd = 0).
 struct SetModel {
   std::string name;
-  std::vector<ModelSignal> states;
-  std::vector<ModelSignal> inputs;
-  std::vector<ModelSignal> disturbances;
+  /// Names and units of signals.
+  std::vector<Signal> states;
+  std::vector<Signal> inputs;
+  std::vector<Signal> disturbances;
   std::vector<ModelParameter> parameters;
   RationalMatrix A;    ///< nx x nx
   RationalMatrix B;    ///< nx x nu
@@ -37,9 +34,9 @@ struct SetModel {
   ExactPolytope U;
   ExactPolytope D;
 
-  int stateCount() const { return A.rows(); }
-  int inputCount() const { return B.columns(); }
-  int disturbanceCount() const { return E.columns(); }
+  int stateCount() const { return static_cast<int>(A.rows()); }
+  int inputCount() const { return static_cast<int>(B.cols()); }
+  int disturbanceCount() const { return static_cast<int>(E.cols()); }
 };
 
 /// Reads a set or a model, YAML or JSON, in the form that offline_mpt/sets/README.md describes. Numbers are

@@ -17,12 +17,6 @@ std::vector<double> toDoubles(const std::vector<Rational>& point) {
   return result;
 }
 
-ExactRow opposite(ExactRow row) {
-  for (Integer& value : row.value) value = -value;
-  finishRow(row);
-  return row;
-}
-
 double product(const std::vector<double>& row, const std::vector<double>& point) {
   return std::inner_product(point.begin(), point.end(), row.begin(), 0.0);
 }

@@ -26,7 +26,14 @@ struct LookupContext {
   bool widened = false;
 
   /// The row of a region where it was dropped on the way to a leaf, nullptr if it was not.
-  const DroppedRow* findDropped(std::size_t visit, std::uint32_t region, std::uint32_t row) const;
+  const DroppedRow* findDropped(std::size_t visit, std::uint32_t region, std::uint32_t row) const {
+    for (;; visit = tree.parent(visit)) {
+      for (const DroppedRow& dropped : drops[region].at(visit)) {
+        if (dropped.row == row) return &dropped;
+      }
+      if (visit == 0) return nullptr;
+    }
+  }
 };
 
 }  // namespace polyfly

@@ -70,7 +70,7 @@ class LeafProver {
     Defect defect =
         lookupDefect(name_ + (witness.empty() ? ": is not proven to answer all that arrives there"
                                               : ": no candidate holds a parameter that arrives there"));
-    if (!witness.empty()) defect.witness = toTheta(context_.check.program, witness);
+    if (!witness.empty()) defect.witness = context_.check.program.theta(witness);
     defects.push_back(std::move(defect));
   }
 

@@ -11,12 +11,7 @@ namespace {
 constexpr unsigned long kBoundBits = 50;  // a look-up's bounds of the box are off by 2^-50 of their size
 constexpr long kLeastBits = 120;          // the unit is 2^-120 or less, so that tolerances keep their digits
 
-Rational powerOfTwo(long exponent) {
-  Rational result(1);
-  if (exponent >= 0) mpq_mul_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(exponent));
-  if (exponent < 0) mpq_div_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(-exponent));
-  return result;
-}
+Rational powerOfTwo(long exponent) { return timesPowerOfTwo(1, exponent); }
 
 Integer roundedUp(const Rational& value) {
   Integer result;
@@ -36,13 +31,7 @@ WholePlanes::WholePlanes(const RegionMap& map, const ExactRanges& ranges)
   long least = kNoBit;
   for (std::size_t k = 0; k < map.planeCount(); ++k) {
     const double* const plane = map.plane(k);
-    Rational constant(plane[p_]);
-    for (int j = 0; j < p_; ++j) {
-      const Rational entry(plane[j]);
-      values.push_back(-entry * half[j]);
-      constant -= entry * centre[j];
-    }
-    values.push_back(constant);
+    for (Rational& value : ranges.inside(plane)) values.push_back(std::move(value));
     rounding = std::max(rounding, ranges.roundingOf(plane, reach));
   }
   for (const Rational& value : values) include(least, value);

@@ -48,12 +48,10 @@ std::string reductionJson(const ReductionReport& report) {
   json["law_error"] = report.law_error;
   json["defects"] = nlohmann::ordered_json::array();
   for (const ReductionDefect& defect : report.defects) {
-    const Eigen::VectorXd& witness = defect.witness;
-    json["defects"].push_back(
-        {{"kind", toString(defect.kind)},
-         {"region", defect.region},
-         {"witness", std::vector<double>(witness.data(), witness.data() + witness.size())},
-         {"text", defect.text}});
+    json["defects"].push_back({{"kind", toString(defect.kind)},
+                               {"region", defect.region},
+                               {"witness", numbersOf(defect.witness)},
+                               {"text", defect.text}});
   }
   return json.dump(2) + "\n";
 }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "certify/facet_cover.hpp"
-#include "certify/farkas_proof.hpp"
+#include "certify/multipliers.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -17,6 +17,12 @@ using Cell = ExactCell;
 
 bool isConstant(const ExactRow& row) {
   return std::all_of(row.value.begin(), row.value.end() - 1, [](const Integer& value) { return value == 0; });
+}
+
+bool findPoint(Cell& cell, int p) {
+  Interior interior = findInterior(cell.rows, nullptr, p);
+  cell.point = std::move(interior.point);
+  return interior.exists;
 }
 
 /// The part of the cell where `row` is positive; false when that is known to have no interior.
@@ -141,7 +147,7 @@ class Subtractor {
   bool findMeeting(const Cell& cell, const std::vector<std::uint32_t>& left, std::uint32_t& region) const {
     for (const std::uint32_t candidate : left) {
       const RegionView view = map_.map().region(candidate);
-      std::vector<const ExactRow*> rows = cell.rows;
+      ExactRows rows = cell.rows;
       for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i]));
       std::vector<Rational> point;
       if (findInteriorFast(rows, map_.p(), point) == FastInterior::kNone) continue;
@@ -160,9 +166,7 @@ class Subtractor {
 }  // namespace
 
 ExactRow wholeRow(const std::vector<Rational>& value) {
-  Integer denominator(1);
-  for (const Rational& entry : value)
-    mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
+  const Integer denominator = commonDenominator(value);
   ExactRow row;
   for (const Rational& entry : value) row.value.emplace_back(Rational(entry * denominator).get_num());
   finishRow(row);
@@ -190,20 +194,9 @@ ExactMap::ExactMap(const RegionMap& map, double slack, const std::vector<Signal>
 }
 
 ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double slack) const {
-  const std::size_t p = ranges_.centre.size();
-  std::vector<Rational> below;  // c - a . theta
-  Rational bound(plane[p]);
-  for (std::size_t j = 0; j < p; ++j) {
-    below.emplace_back(-Rational(plane[j]) * ranges_.half[j]);
-    bound -= Rational(plane[j]) * ranges_.centre[j];
-  }
-  below.push_back(bound);
   PlaneRows rows;
   for (const std::size_t first : {std::size_t{0}, std::size_t{kVariants}}) {
-    std::vector<Rational> value = below;
-    if (first != 0) {
-      for (Rational& entry : value) entry = -entry;
-    }
+    std::vector<Rational> value = ranges_.inside(plane, first == 0 ? 1 : -1);
     rows[first + kRow] = wholeRow(value);
     value.back() += Rational(slack);
     rows[first + kRelaxed] = wholeRow(value);
@@ -220,30 +213,19 @@ const ExactRow& ExactMap::at(std::int32_t row, Variant variant) const {
 
 int ExactMap::p() const { return static_cast<int>(map_.parameters().size()); }
 
-Eigen::VectorXd ExactMap::theta(const std::vector<Rational>& t) const {
-  Eigen::VectorXd result(static_cast<Eigen::Index>(t.size()));
-  for (std::size_t j = 0; j < t.size(); ++j)
-    result(static_cast<Eigen::Index>(j)) = Rational(ranges_.centre[j] + ranges_.half[j] * t[j]).get_d();
-  return result;
-}
-
-bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell) {
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell, const std::deque<ExactRow>& sides) {
   const RegionView view = map.map().region(region);
   cell.rows.clear();
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const ExactRow& row = map.row(view.rows[i]);
     if (!isConstant(row) || row.value.back() < 0) cell.rows.push_back(&row);
   }
-  Interior interior = findInterior(cell.rows, nullptr, map.p());
-  cell.point = std::move(interior.point);
-  return interior.exists;
+  for (const ExactRow& side : sides) cell.rows.push_back(&side);
+  return findPoint(cell, map.p());
 }
 
 bool makeCertain(const ExactMap& map, ExactCell& cell) {
-  if (cell.certain) return true;
-  Interior interior = findInterior(cell.rows, nullptr, map.p());
-  cell.point = std::move(interior.point);
-  cell.certain = interior.exists;
+  cell.certain = cell.certain || findPoint(cell, map.p());
   return cell.certain;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -35,7 +36,7 @@ class ExactMap {
 
   const RegionMap& map() const { return map_; }
   int p() const;
-  Eigen::VectorXd theta(const std::vector<Rational>& t) const;  ///< rounded
+  Eigen::VectorXd theta(const std::vector<Rational>& t) const { return ranges_.theta(t); }  ///< rounded
 
  private:
   enum Variant : std::size_t { kRow, kRelaxed, kOutside, kVariants };
@@ -102,8 +103,9 @@ class ProofWriter {
   std::string text_;
 };
 
-/// The cell of a region; false when it has no interior.
-bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell);
+/// The cell of a region, and within `sides`; false when it has no interior.
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell,
+            const std::deque<ExactRow>& sides = {});
 
 /// Finds a point strictly inside; false when there is none.
 bool makeCertain(const ExactMap& map, ExactCell& cell);

@@ -7,14 +7,16 @@
 #include <limits>
 
 #include "arithmetic/exact_numbers.hpp"
+#include "certify/certificate.hpp"
 #include "certify/reduction/reduced_answers.hpp"
-#include "certify/reduction/reduction_certificate.hpp"
 #include "certify/reduction/tree_partition.hpp"
 #include "certify/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 #include "reduce/law_classes.hpp"
 #include "region_maps/region_map.hpp"
+#include "support/certificate_text.hpp"
 #include "support/in_parallel.hpp"
+#include "support/region_distance.hpp"
 
 namespace polyfly {
 namespace {
@@ -49,24 +51,20 @@ class LawTable {
   double compare(const RegionMap& map, const double* a, const double* b,
                  const std::vector<double>& scales) const {
     const std::size_t p = map.parameters().size();
+    const ExactRanges ranges(map.parameters());
     double worst = 0.0;
     for (std::size_t i = 0; i < scales.size(); ++i, a += p + 1, b += p + 1) {
       if (std::equal(a, a + p + 1, b)) continue;
-      Rational sum, centre = Rational(a[p]) - Rational(b[p]);
+      Rational sum;
       double rounded = 0.0;
       for (std::size_t j = 0; j < p; ++j) {
         const Signal& signal = map.parameters()[j];
         rounded += std::abs(a[j] - b[j]) * (signal.upper - signal.lower) / 2.0;
       }
       if (rounded > 4.0 * tolerance_ * scales[i]) return rounded / scales[i];
-      for (std::size_t j = 0; j < p; ++j) {
-        const Signal& signal = map.parameters()[j];
-        const Rational gain = Rational(a[j]) - Rational(b[j]);
-        sum += abs(gain) * (Rational(signal.upper) - Rational(signal.lower)) / 2;
-        centre += gain * (Rational(signal.upper) + Rational(signal.lower)) / 2;
-      }
-      sum = (sum + abs(centre)) / Rational(scales[i]);
-      worst = std::max(worst, above(sum));
+      const std::vector<Rational> one = ranges.inBox(a, a[p]), other = ranges.inBox(b, b[p]);
+      for (std::size_t j = 0; j <= p; ++j) sum += abs(one[j] - other[j]);
+      worst = std::max(worst, above(sum / Rational(scales[i])));
     }
     return worst;
   }
@@ -201,17 +199,9 @@ class ReductionProof {
   std::vector<std::uint32_t> nearRegions(std::uint32_t law, const ExactCell& cell, double near) const {
     const RegionMap& map = original_.map();
     const Eigen::VectorXd theta = original_.theta(cell.point);
-    const Eigen::Index p = theta.size();
     std::vector<std::uint32_t> result;
     for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
-      const RegionView region = map.region(r);
-      if (!laws_.same(law, region.law)) continue;
-      const bool is_near = std::all_of(region.rows, region.rows + region.row_count, [&](std::int32_t row) {
-        const double* const plane = map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
-        const double distance = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
-        return (row > 0 ? distance : -distance) <= near;
-      });
-      if (is_near) result.push_back(r);
+      if (laws_.same(law, map.region(r).law) && isWithin(map, r, theta, near)) result.push_back(r);
     }
     return result;
   }
@@ -301,7 +291,26 @@ void requireSameMaps(const RegionMap& reduced, const RegionMap& original) {
   }
 }
 
+/// Lines of dropped rows, then a proof for each region of the original, then of the reduced map.
+std::string reductionCertificate(const RegionMap& reduced, const RegionMap& original,
+                                 const ReductionReport& report, const std::string& drops,
+                                 const std::vector<std::string>& proofs) {
+  std::string text = "polyfly reduction certificate 1\n";
+  text += mapLine("reduced", reduced) + mapLine("original", original);
+  text += "tolerances " + hex(report.law_tolerance) + " " + hex(report.slack) + "\n" + drops;
+  for (std::size_t i = 0; i < proofs.size(); ++i) {
+    const bool is_original = i < original.regionCount();
+    const std::size_t region = is_original ? i : i - original.regionCount();
+    text += (is_original ? "O " : "R ") + std::to_string(region) + proofs[i] + "\n";
+  }
+  return text + certificateEnd(text);
+}
+
 }  // namespace
+
+void writeCertificate(const ReductionReport& report, const std::string& path) {
+  writeProof(report.certificate, "the reduction", path);
+}
 
 const char* toString(ReductionDefect::Kind kind) {
   switch (kind) {

@@ -32,20 +32,13 @@ class DoubleDoubleRegionSolver {
   void law(std::vector<double>& out) const;
 
  private:
-  using Numbers = std::vector<DoubleDouble>;  // row-major
-
-  bool factorise(const std::vector<std::uint16_t>& active);
-  void solveFactor(const std::vector<std::uint16_t>& active);
-
-  std::size_t n_, width_;  // width: p + 1
+  Eigen::Index n_;
   // None where it may mislead.
   std::optional<IdentityForm> form_;
-  Numbers rows_;    // unit rows, m x n
-  Numbers bounds_;  // D, m x (p + 1)
-  // Cholesky factor of the active rows' gram matrix.
-  Numbers factor_;       // k x k
-  Numbers multipliers_;  // k x (p + 1)
-  Numbers point_;        // w, n x (p + 1)
+  WideMatrix rows_;         // unit rows, m x n
+  WideMatrix bounds_;       // D, m x (p + 1)
+  WideMatrix multipliers_;  // k x (p + 1)
+  WideMatrix point_;        // w, n x (p + 1)
 };
 
 }  // namespace polyfly
