@@ -15,6 +15,8 @@ namespace {
 constexpr int kFitRounds = 12;
 // Weight by which the size of a variable that no bound gives one is that of its unit.
 constexpr double kFreeSize = 1e-9;
+// Ratio of curvatures up to which the rows measure the variables.
+constexpr double kMostSpread = 0x1p40;
 
 /// Greatest |value| of each row of M theta + v in the box.
 Eigen::VectorXd sizeInBox(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
@@ -168,23 +170,31 @@ std::vector<int> exponentsOf(const Eigen::VectorXd& sizes) {
   return result;
 }
 
-/// Of variables by the curvature of the cost; then all by the distance of the rows, which decides what is active, and of which
-/// tolerances are absolute.
-void scaleDefinite(ScaledProgram& scaled) {
+/// Variables by the curvature of the cost; then all by the distance of the rows.
+void scaleByCost(ScaledProgram& scaled) {
   scaleVariables(scaled, exponentsOf(-0.5 * scaled.program.H.diagonal().array().log2().matrix()));
   const int distance = exponentOf(distanceOfRows(scaled.program));
   scaleVariables(scaled, std::vector<int>(scaled.variables.size(), distance));
   scaleCost(scaled, -2 * distance);
 }
 
-/// By the rows. The cost is multiplied by an even power, so that a root of H is multiplied by a power of two.
+/// The cost is multiplied by an even power, so that a root of H is multiplied by a power of two. Where H is definite, rows are
+/// then about 1 away from the unconstrained minimiser: their distances decide what is active, and tolerances of them are
+/// absolute.
 void scaleByRows(ScaledProgram& scaled) {
   ParametricProgram& program = scaled.program;
   scaleVariables(scaled, exponentsOf(fitSizes(entriesOf(program), program.A.cols())));
   const double curvature = program.H.size() > 0 ? program.H.diagonal().maxCoeff() : 0.0;
   const Eigen::VectorXd slopes = sizeInBox(program.F, program.f, program);
+  const double distance = curvature > 0.0 ? distanceOfRows(program) : 0.0;
   const int exponent = exponentOf(curvature > 0.0 ? curvature : slopes.size() > 0 ? slopes.maxCoeff() : 0.0);
-  scaleCost(scaled, exponent % 2 - exponent);
+  scaleCost(scaled, distance > 0.0 ? -2 * exponentOf(distance) : exponent % 2 - exponent);
+}
+
+/// Whether the rows give a definite cost curvatures of which some are lost beside others, as rows do whose entries decay.
+bool disagreesWithRows(const ScaledProgram& scaled) {
+  const Eigen::VectorXd curvatures = scaled.program.H.diagonal();
+  return curvatures.size() > 0 && !(curvatures.minCoeff() * kMostSpread >= curvatures.maxCoeff());
 }
 
 void scaleOutputs(ScaledProgram& scaled) {
@@ -204,11 +214,13 @@ void scaleOutputs(ScaledProgram& scaled) {
 }  // namespace
 
 ScaledProgram scaleProgram(const ParametricProgram& program) {
-  ScaledProgram scaled{program, std::vector<int>(static_cast<std::size_t>(program.A.cols()), 0), {}, 0};
-  if (choleskyRoot(wide(program.H)))
-    scaleDefinite(scaled);
-  else
-    scaleByRows(scaled);
+  const ScaledProgram given{program, std::vector<int>(static_cast<std::size_t>(program.A.cols()), 0), {}, 0};
+  ScaledProgram scaled = given;
+  scaleByRows(scaled);
+  if (disagreesWithRows(scaled) && choleskyRoot(wide(program.H))) {
+    scaled = given;
+    scaleByCost(scaled);
+  }
   scaleRowsOfProgram(scaled.program);
   scaleOutputs(scaled);
   return scaled;

@@ -18,9 +18,9 @@ struct ScaledProgram {
   int cost = 0;
 };
 
-/// Units in which `program` does not depend on those of its file. Where H is positive definite, its diagonal is about 1, and
-/// rows are about 1 away from the unconstrained minimiser. Else each variable is measured by the size that the rows and the
-/// box of parameters give it.
+/// Units in which `program` does not depend on those of its file: each variable is measured by the size that the rows and the
+/// box of parameters give it. Where that would lose curvatures of a positive definite H beside others, as with rows whose
+/// entries decay along a horizon, H gets a diagonal of about 1 instead.
 ScaledProgram scaleProgram(const ParametricProgram& program);
 
 }  // namespace polyfly
