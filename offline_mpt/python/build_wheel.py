@@ -40,6 +40,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Hook of PEP 517."""
     build = ROOT / "build" / "pip"
     os.environ.setdefault("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
+    # By it pip hides the system's packages, of which CMake looks for NumPy.
+    os.environ.pop("PYTHONPATH", None)
     options = ["-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={sys.executable}"]
     subprocess.run(["cmake", "-G", "Ninja", "-S", ROOT, "-B", build, *options], check=True)
     subprocess.run(["cmake", "--build", build, "--target", "polyfly_python"], check=True)
