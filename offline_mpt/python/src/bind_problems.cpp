@@ -128,7 +128,9 @@ void bindProblems(py::module_& module) {
           "Zero-order hold over `period` seconds; by default the sampling time.")
       .def("steady_state", &steadyStateOf, py::arg("reference"), py::arg("disturbance") = py::none(),
            "State and input that hold the output at `reference` under a disturbance.")
-      .def("condense", &condense, "The Program in the inputs over the horizon (states eliminated).")
+      .def(
+          "condense", [](const MpcProblem& problem) { return condense(problem); },
+          "The Program in the inputs over the horizon (states eliminated).")
       .def(
           "online",
           [](const MpcProblem& problem) { return std::make_unique<OnlineProgram>(condense(problem)); },

@@ -191,10 +191,17 @@ void scaleByRows(ScaledProgram& scaled) {
   scaleCost(scaled, distance > 0.0 ? -2 * exponentOf(distance) : exponent % 2 - exponent);
 }
 
-/// Whether the rows give a definite cost curvatures of which some are lost beside others, as rows do whose entries decay.
-bool disagreesWithRows(const ScaledProgram& scaled) {
-  const Eigen::VectorXd curvatures = scaled.program.H.diagonal();
-  return curvatures.size() > 0 && !(curvatures.minCoeff() * kMostSpread >= curvatures.maxCoeff());
+/// Greatest curvature over the least one.
+double spreadOf(const ParametricProgram& program) {
+  const Eigen::VectorXd curvatures = program.H.diagonal();
+  return curvatures.size() > 0 ? curvatures.maxCoeff() / curvatures.minCoeff() : 1.0;
+}
+
+/// Whether it is the rows that spread the curvatures of a definite cost so far that some are lost beside others, as rows do
+/// whose entries decay.
+bool isSpreadByRows(const ScaledProgram& scaled, const ParametricProgram& given) {
+  const double spread = spreadOf(scaled.program);
+  return !(spread <= kMostSpread) && !(spread <= spreadOf(given));
 }
 
 void scaleOutputs(ScaledProgram& scaled) {
@@ -217,7 +224,7 @@ ScaledProgram scaleProgram(const ParametricProgram& program) {
   const ScaledProgram given{program, std::vector<int>(static_cast<std::size_t>(program.A.cols()), 0), {}, 0};
   ScaledProgram scaled = given;
   scaleByRows(scaled);
-  if (disagreesWithRows(scaled) && choleskyRoot(wide(program.H))) {
+  if (isSpreadByRows(scaled, program) && choleskyRoot(wide(program.H))) {
     scaled = given;
     scaleByCost(scaled);
   }
