@@ -35,8 +35,8 @@ struct MapComparison {
   Percentiles lookup_ns;
 };
 
-/// Compares on the samples with a reference. `axis` is the axis of both, `maker` as for validate. Throws
-/// Error naming map and parameter when the other map has a parameter that the flown one does not have.
+/// Compares on the samples with a reference. `axis` is the axis of both. Throws Error naming map and parameter when the
+/// other map has a parameter that the flown one does not have.
 MapComparison compareMaps(const std::vector<ReplayedFlight>& flights, const RegionMap& flown,
                           const RegionMap& other, std::size_t axis);
 
