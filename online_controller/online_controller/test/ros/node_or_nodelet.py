@@ -63,14 +63,14 @@ class Program:
         return Collector(self.namespace + "/" + topic, kind)
 
     @staticmethod
-    def answer(ask):
-        """What `ask` returns once it is something; asked again until patience ends."""
+    def answer(ask, seen=lambda: "nothing"):
+        """What `ask` returns once it is something; asked again until patience ends, which the error tells with what was `seen`."""
         deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
         while rospy.Time.now() < deadline:
             found = ask()
             if found:
                 return found
-        raise AssertionError("no answer")
+        raise AssertionError("no answer in %g s, but %s" % (PATIENCE, seen()))
 
     def output_at_end(self):
         output, _ = self.process.communicate(timeout=PATIENCE)
