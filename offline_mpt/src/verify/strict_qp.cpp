@@ -222,7 +222,8 @@ StrictAnswer StrictQp::solve(const Eigen::VectorXd& theta, const std::vector<int
                              const Eigen::VectorXd& precision) {
   StrictAnswer answer;
   const Vector beyond = affine(-program_->b_theta, program_->A_theta, theta);
-  if (std::any_of(beyond.begin(), beyond.end(), [](const DoubleDouble& value) { return value.high > 0.0; })) {
+  if (std::any_of(beyond.data(), beyond.data() + beyond.size(),
+                  [](const DoubleDouble& value) { return value.high > 0.0; })) {
     answer.verdict = StrictAnswer::Verdict::kInfeasible;
     return answer;
   }

@@ -165,14 +165,16 @@ void scaleCost(ScaledProgram& scaled, int exponent) {
 
 /// Exponents of the sizes, as binary logarithms.
 std::vector<int> exponentsOf(const Eigen::VectorXd& sizes) {
-  std::vector<int> result;
-  for (const double size : sizes) result.push_back(static_cast<int>(std::lround(size)));
+  std::vector<int> result(static_cast<std::size_t>(sizes.size()));
+  std::transform(sizes.data(), sizes.data() + sizes.size(), result.begin(),
+                 [](double size) { return static_cast<int>(std::lround(size)); });
   return result;
 }
 
 /// Variables by the curvature of the cost; then all by the distance of the rows.
 void scaleByCost(ScaledProgram& scaled) {
-  scaleVariables(scaled, exponentsOf(-0.5 * scaled.program.H.diagonal().array().log2().matrix()));
+  const auto halfInverse = [](double curvature) { return -0.5 * std::log2(curvature); };
+  scaleVariables(scaled, exponentsOf(scaled.program.H.diagonal().unaryExpr(halfInverse)));
   const int distance = exponentOf(distanceOfRows(scaled.program));
   scaleVariables(scaled, std::vector<int>(scaled.variables.size(), distance));
   scaleCost(scaled, -2 * distance);
