@@ -84,7 +84,7 @@ class CalibrationTest(unittest.TestCase):
         self.assertLess(abs(last.roll), 0.1)
 
     def test_a_stick_takes_the_vehicle_over(self):
-        # Published until the node has heard it: where the stick rests until the first command, then moved.
+        # At rest until the first command, then moved to and fro: whichever the node hears first, the next one differs.
         sticks = rospy.Publisher("joy", Joy, queue_size=1)
         flying = threading.Event()
         command = rospy.Subscriber("command/roll_pitch_yawrate_thrust", RollPitchYawrateThrust, lambda _: flying.set())
@@ -94,8 +94,10 @@ class CalibrationTest(unittest.TestCase):
         over = threading.Event()
 
         def push():
+            moved = False
             while not over.wait(0.05):
-                sticks.publish(Joy(axes=[0.0, 0.8 if flying.is_set() else 0.0, 0.0, 0.0]))
+                moved = flying.is_set() and not moved
+                sticks.publish(Joy(axes=[0.0, 0.8 if moved else 0.0, 0.0, 0.0]))
 
         thread = threading.Thread(target=push)
         thread.start()

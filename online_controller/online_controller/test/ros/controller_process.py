@@ -70,7 +70,7 @@ class Controller(node_or_nodelet.Program):
             command = self.commands.wait(lambda m: m.header.stamp == stamp, node_or_nodelet.RETRY)
             return (command, status) if command else None
 
-        return self.answer(ask, lambda: self.statuses.messages[-1:])
+        return self.answer(ask)
 
 
 class MapsFixture(unittest.TestCase):

@@ -51,6 +51,7 @@ class Program:
 
     def __init__(self, command, namespace, name, parameters=None):
         self.namespace = "/" + namespace
+        self.collectors = {}
         for key, value in (parameters or {}).items():
             rospy.set_param("/".join((self.namespace, name, key)), value)
         self.process = subprocess.Popen(command + ["__ns:=" + self.namespace, "__name:=" + name], stdout=subprocess.PIPE,
@@ -60,17 +61,18 @@ class Program:
         return rospy.Publisher(self.namespace + "/" + topic, kind, queue_size=10, latch=latch)
 
     def collector(self, topic, kind):
-        return Collector(self.namespace + "/" + topic, kind)
+        self.collectors[topic] = Collector(self.namespace + "/" + topic, kind)
+        return self.collectors[topic]
 
-    @staticmethod
-    def answer(ask, seen=lambda: "nothing"):
-        """What `ask` returns once it is something; asked again until patience ends, which the error tells with what was `seen`."""
+    def answer(self, ask):
+        """What `ask` returns once it is something; asked again until patience ends. Then the error tells each topic's last message."""
         deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
         while rospy.Time.now() < deadline:
             found = ask()
             if found:
                 return found
-        raise AssertionError("no answer in %g s, but %s" % (PATIENCE, seen()))
+        last = {topic: collector.messages[-1:] for topic, collector in self.collectors.items()}
+        raise AssertionError("no answer in %g s, but %s" % (PATIENCE, last))
 
     def output_at_end(self):
         output, _ = self.process.communicate(timeout=PATIENCE)
