@@ -173,8 +173,8 @@ std::vector<int> exponentsOf(const Eigen::VectorXd& sizes) {
 
 /// Variables by the curvature of the cost; then all by the distance of the rows.
 void scaleByCost(ScaledProgram& scaled) {
-  const auto halfInverse = [](double curvature) { return -0.5 * std::log2(curvature); };
-  scaleVariables(scaled, exponentsOf(scaled.program.H.diagonal().unaryExpr(halfInverse)));
+  const auto log2 = [](double value) { return std::log2(value); };
+  scaleVariables(scaled, exponentsOf(-0.5 * scaled.program.H.diagonal().unaryExpr(log2)));
   const int distance = exponentOf(distanceOfRows(scaled.program));
   scaleVariables(scaled, std::vector<int>(scaled.variables.size(), distance));
   scaleCost(scaled, -2 * distance);
