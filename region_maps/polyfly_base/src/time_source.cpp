@@ -10,6 +10,8 @@ void TimeSource::advance(double ros, double wall) noexcept {
     if (by_wall_ || ros_ == 0.0 || ros < ros_) since_ = ros - silence_;
     since_ = std::min(since_, ros + kStandstill);
     silence_ = std::max(ros - since_, 0.0);
+    // A clock that was late catches up faster than wall time: that is no silence.
+    if (simulated_) silence_ = std::min(silence_, wall - last_wall_);
     ros_ = ros;
     heard_ = false;
     by_wall_ = false;

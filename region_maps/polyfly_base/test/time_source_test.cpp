@@ -173,8 +173,20 @@ TEST(TimeSource, AClockThatLagsBehindTheOdometryIsNoSilence) {
   clocks.source.advance(clocks.ros + 0.1, clocks.wall);
   clocks.source.advance(clocks.ros + 0.2, clocks.wall);
   EXPECT_NEAR(clocks.source.silence(), 0.0, kRounding);
-  clocks.source.advance(clocks.ros + 0.7, clocks.wall);
+  clocks.source.advance(clocks.ros + 0.7, clocks.wall + kLong);
   EXPECT_NEAR(clocks.source.silence(), 0.5, kRounding);
+}
+
+TEST(TimeSource, AClockThatCatchesUpIsNoSilence) {
+  Clocks clocks = running();
+  clocks.go(0.1, false, true);
+  clocks.source.onOdometry(clocks.ros, clocks.wall, clocks.ros + kLong);
+  for (int k = 1; k <= 5; ++k) {
+    clocks.source.advance(clocks.ros += 0.2 * kLong, clocks.wall += 1e-3);
+    EXPECT_LE(clocks.source.silence(), k * 1e-3 + kRounding);
+  }
+  clocks.go(kLong, true, false);
+  EXPECT_NEAR(clocks.source.silence(), kLong, kPeriod);
 }
 
 TEST(TimeSource, TimeThatIsNotSimulatedAlwaysDecides) {

@@ -8,7 +8,8 @@ namespace polyfly {
 /// - no clock ever came;
 /// - the odometry's stamps advanced by kStandstill meanwhile. A step of more than kGreatestStep is no advance.
 ///
-/// A clock that stands still otherwise is a paused simulation: no time passes.
+/// A clock that stands still otherwise is a paused simulation: no time passes. Simulated time that runs faster than
+/// wall time may be catching up: silence is never longer than by wall time.
 ///
 /// Reads no clock; ROS time and a steady wall time are arguments [s].
 class TimeSource {
