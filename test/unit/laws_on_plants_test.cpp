@@ -15,7 +15,7 @@
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_test/attitude_plants.hpp"
 #include "polyfly_test/flight_figure.hpp"
-#include "project_root.hpp"
+#include "shipped_problems.hpp"
 
 namespace polyfly {
 namespace {
@@ -140,21 +140,9 @@ Flight fly(ControlLaw& law, AttitudeLoop loop, const Course& course) {
   return flight;
 }
 
-MultirotorController linearLaw(const MultirotorOptions& options = {}) {
-  return {{loadProblem(problemFile("multirotor_longitudinal.yaml")),
-           loadProblem(problemFile("multirotor_lateral.yaml")),
-           loadProblem(problemFile("multirotor_vertical.yaml"))},
-          options};
-}
+MultirotorController linearLaw(const MultirotorOptions& options = {}) { return {shippedProblems(), options}; }
 NonlinearController nonlinearLaw(const MultirotorOptions& options = {}) {
   return {options, NonlinearMpcOptions{}};
-}
-
-/// With a rate of the disturbance, which makes up for much of what the linear models leave out.
-MultirotorOptions turningDisturbance() {
-  MultirotorOptions options;
-  options.disturbance_rate_drift = 0.03;
-  return options;
 }
 
 TEST(AttitudePlant, ItsLoopsAreOfFirstOrderForSlowMotionsAndCoupledAsTheyAreSaidToBe) {
@@ -230,16 +218,6 @@ TEST(LawsOnPlants, NonlinearIsAThirdBetterOnTheMoreAggressiveFigure) {
             << nameOf(loop) << ", yaw " << yaw_turn << (noisy ? ", noise" : "");
       }
     }
-  }
-}
-
-TEST(LawsOnPlants, TheRateOfTheDisturbanceHelpsLinearAndCostsNonlinearLittle) {
-  const Course course = figure(0.9, 0.0);
-  for (const AttitudeLoop loop : kLoops) {
-    MultirotorController linear = linearLaw(), linear_with = linearLaw(turningDisturbance());
-    NonlinearController nonlinear = nonlinearLaw(), nonlinear_with = nonlinearLaw(turningDisturbance());
-    EXPECT_LT(fly(linear_with, loop, course).rms, 0.75 * fly(linear, loop, course).rms) << nameOf(loop);
-    EXPECT_LT(fly(nonlinear_with, loop, course).rms, 1.06 * fly(nonlinear, loop, course).rms) << nameOf(loop);
   }
 }
 
