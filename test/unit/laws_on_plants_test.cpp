@@ -145,6 +145,13 @@ NonlinearController nonlinearLaw(const MultirotorOptions& options = {}) {
   return {options, NonlinearMpcOptions{}};
 }
 
+/// With a rate of the disturbance, which makes up for much of what the linear models leave out.
+MultirotorOptions turningDisturbance() {
+  MultirotorOptions options;
+  options.disturbance_rate_drift = 0.03;
+  return options;
+}
+
 TEST(AttitudePlant, ItsLoopsAreOfFirstOrderForSlowMotionsAndCoupledAsTheyAreSaidToBe) {
   constexpr double kYawRate = 0.5, kCommand = 0.1;
   for (const AttitudeLoop loop : kLoops) {
@@ -218,6 +225,16 @@ TEST(LawsOnPlants, NonlinearIsAThirdBetterOnTheMoreAggressiveFigure) {
             << nameOf(loop) << ", yaw " << yaw_turn << (noisy ? ", noise" : "");
       }
     }
+  }
+}
+
+TEST(LawsOnPlants, TheRateOfTheDisturbanceHelpsLinearAndCostsNonlinearLittle) {
+  const Course course = figure(0.9, 0.0);
+  for (const AttitudeLoop loop : kLoops) {
+    MultirotorController linear = linearLaw(), linear_with = linearLaw(turningDisturbance());
+    NonlinearController nonlinear = nonlinearLaw(), nonlinear_with = nonlinearLaw(turningDisturbance());
+    EXPECT_LT(fly(linear_with, loop, course).rms, 0.75 * fly(linear, loop, course).rms) << nameOf(loop);
+    EXPECT_LT(fly(nonlinear_with, loop, course).rms, 1.06 * fly(nonlinear, loop, course).rms) << nameOf(loop);
   }
 }
 
