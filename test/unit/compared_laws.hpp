@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "helix.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "project_root.hpp"
@@ -16,31 +17,7 @@ namespace polyfly {
 
 inline constexpr double kPeriod = 0.01;  // [s]
 
-using Path = std::function<Reference(double)>;
 using Pilot = std::function<AttitudeCommand(const VehicleState&, const Path&)>;
-
-/// A circle with a climb, from rest to `speed` within 5 s.
-inline Path helix(double radius, double speed, double climb) {
-  return [=](double time) {
-    constexpr double kRamp = 5.0;
-    const double x = std::min(time / kRamp, 1.0);
-    const double phase = kRamp * x * x * x * x * (2.5 - 3.0 * x + x * x) + std::max(0.0, time - kRamp);
-    const double rate = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-    const double acceleration = 30.0 * x * x * (1.0 - x) * (1.0 - x) / kRamp;
-    const double jerk = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (kRamp * kRamp);
-    const double k = speed / radius;
-    const double w = k * rate, a = k * acceleration, j = k * jerk;
-    const Eigen::Vector3d out(std::cos(k * phase), std::sin(k * phase), 0.0);
-    const Eigen::Vector3d along(-out.y(), out.x(), 0.0);
-    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-    Reference reference;
-    reference.position = radius * out + (1.0 + climb * phase) * up;
-    reference.velocity = radius * w * along + climb * rate * up;
-    reference.acceleration = radius * (a * along - w * w * out) + climb * acceleration * up;
-    reference.jerk = radius * ((j - w * w * w) * along - 3.0 * w * a * out) + climb * jerk * up;
-    return reference;
-  };
-}
 
 inline Pilot pilotOf(const std::shared_ptr<ControlLaw>& law) {
   return [law](const VehicleState& state, const Path& path) {

@@ -8,20 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "dead_time_paths.hpp"
-#include "identification/identify_axis.hpp"
-#include "identification/motion.hpp"
+#include "helix.hpp"
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
-#include "polyfly_test/pi_controller.hpp"
 #include "polyfly_test/rigid_body_plant.hpp"
+#include "steps_to_identify.hpp"
 
 namespace polyfly {
 namespace {
-
-using Eigen::Vector3d;
 
 constexpr double kPeriod = 0.01;  // [s]
 
@@ -30,46 +26,19 @@ struct Found {
   double gain, lag, delay, drag;
 };
 
-double numberOf(const std::vector<FittedParameter>& parameters, const std::string& name) {
-  for (const FittedParameter& parameter : parameters)
-    if (parameter.name == name) return parameter.value;
-  ADD_FAILURE() << "no parameter " << name;
-  return 0.0;
-}
-
 /// What is found in a minute of steps to and fro by a PI controller: with the delay in the lag, and apart.
 std::pair<Found, Found> calibrated(double delay) {
   RigidBodyOptions options;
   options.command_delay = delay;
   options.velocity_noise = 0.01;
   options.attitude_noise = 0.002;
-  RigidBodyPlant plant(options, Vector3d::Zero());
-  PiController pi{MultirotorOptions{}};
-  FlightSignals log;
-  log.source = "steps to and fro";
-  while (plant.time() < 60.0) {
-    const VehicleState state = plant.measure();
-    Reference goal;
-    goal.position = {std::fmod(state.stamp, 7.0) < 3.5 ? 4.0 : 0.0,
-                     std::fmod(state.stamp, 5.0) < 2.5 ? 3.0 : 0.0, 1.0};
-    const AttitudeCommand command = pi.step(state, goal);
-    const EulerAngles angles = eulerAngles(state.attitude);
-    const std::pair<const char*, double> values[] = {{"roll_cmd", command.roll}, {"roll", angles.roll},
-                                                     {"pitch", angles.pitch},    {"yaw", angles.yaw},
-                                                     {"vx", state.velocity.x()}, {"vy", state.velocity.y()},
-                                                     {"vz", state.velocity.z()}};
-    for (const auto& [name, value] : values) {
-      log.series[name].time.push_back(state.stamp);
-      log.series[name].value.push_back(value);
-    }
-    plant.advance(command, kPeriod);
-  }
+  const FlightSignals log = stepsToIdentify(options);
   const AxisModel roll = identifyAxis(axisRecords(log, "roll"), {});
-  const double drag = numberOf(fitDrag({motionOf(log, {})}).parameters, "drag_left");
+  const double drag = parameterOf(fitDrag({motionOf(log, {})}).parameters, "drag_left").value;
   const auto found = [&](const char* name, bool apart) {
     const auto& parameters = roll.findModel(name)->fit.parameters;
-    return Found{numberOf(parameters, "gain"), numberOf(parameters, "tau"),
-                 apart ? numberOf(parameters, "delay") : 0.0, drag};
+    return Found{parameterOf(parameters, "gain").value, parameterOf(parameters, "tau").value,
+                 apart ? parameterOf(parameters, "delay").value : 0.0, drag};
   };
   return {found("model_without_delay", false), found("model", true)};
 }

@@ -11,17 +11,15 @@
 #include <vector>
 
 #include "allocations.hpp"
-#include "dead_time_paths.hpp"
-#include "offline_mpt/encode.hpp"
+#include "helix.hpp"
 #include "online_controller/flight/flight_supervisor.hpp"
 #include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
-#include "polyfly_base/read_text.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
-#include "project_root.hpp"
-#include "robust_mpc/robust_law.hpp"
+#include "shipped_problems.hpp"
 #include "solved_maps.hpp"
+#include "solved_robust_maps.hpp"
 
 namespace polyfly {
 namespace {
@@ -39,20 +37,14 @@ Path step() {
   };
 }
 
-std::array<MpcProblem, 3> problems(const std::string& folder = "multirotor_") {
-  return {loadProblem(problemFile(folder + "longitudinal.yaml")),
-          loadProblem(problemFile(folder + "lateral.yaml")),
-          loadProblem(problemFile(folder + "vertical.yaml"))};
-}
-
 const std::vector<RegionMap>& maps() {
-  static const std::vector<RegionMap> kOnce = solvedMaps(problems("look_ahead/"), "dead_time_test_");
+  static const std::vector<RegionMap> kOnce = solvedMaps(shippedProblems("look_ahead/"), "dead_time_test_");
   return kOnce;
 }
 
 std::unique_ptr<ControlLaw> lawOf(const std::string& name, const MultirotorOptions& options) {
   if (name == "nonlinear") return std::make_unique<NonlinearController>(options, NonlinearMpcOptions{});
-  if (name == "linear") return std::make_unique<MultirotorController>(problems(), options);
+  if (name == "linear") return std::make_unique<MultirotorController>(shippedProblems(), options);
   return std::make_unique<MultirotorController>(
       std::array<const RegionMap*, 3>{&maps()[0], &maps()[1], &maps()[2]}, options);
 }
@@ -244,20 +236,7 @@ TEST(DeadTimeFlights, MayBeToldInFlight) {
 }
 
 const std::vector<RegionMap>& robustMaps() {
-  static const std::vector<RegionMap> kOnce = [] {
-    std::vector<RegionMap> opened;
-    for (const std::string axis : {"longitudinal", "lateral", "vertical"}) {
-      const RobustProblem problem =
-          parseRobustProblem(readText(problemFile("robust/aslquad_" + axis + ".yaml")), axis);
-      const RoundedLaw rounded =
-          roundLaw(problem, explicitLaw(problem, projectFeasibleSet(buildRobustProgram(problem))),
-                   ExploreStatus::kComplete);
-      const std::string path = testing::TempDir() + "dead_time_test_robust_" + axis + ".map";
-      writeMap(encode(rounded.program, rounded.partition), path);
-      opened.push_back(RegionMap::open(path));
-    }
-    return opened;
-  }();
+  static const std::vector<RegionMap> kOnce = aslquadMaps("dead_time_test_robust_");
   return kOnce;
 }
 
@@ -322,7 +301,7 @@ TEST(DeadTimeFlights, TheStepDoesNotAllocate) {
 }
 
 TEST(DeadTimeOption, ComesFromTheProblemsUnlessItIsStated) {
-  std::array<MpcProblem, 3> stated = problems();
+  std::array<MpcProblem, 3> stated = shippedProblems();
   const auto lead = [&](double option) {
     MultirotorOptions options;
     options.delay = option;

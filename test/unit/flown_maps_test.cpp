@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -209,6 +210,21 @@ TEST(FlownMapsThatLookAhead, AreReplayedAtTheTimesThatTheNodeReads) {
     ASSERT_EQ(other[i].report.command.roll, without[i].report.command.roll) << i;
 }
 
+/// The record without what it has from `from` on for so long [s]. Its trajectory starts at `start`.
+FlightLog without(const FlightLog& whole, const std::optional<double>& start, double from, double length) {
+  FlightLog log;
+  log.add(whole.references[0].trajectory, start);
+  for (std::size_t sample = 0; sample < whole.odometry.size(); ++sample) {
+    const double time = whole.odometry[sample].stamp - whole.odometry[0].stamp;
+    if (time >= from && time < from + length) continue;
+    log.add(whole.odometry[sample]);
+    log.commands.push_back(whole.commands[sample]);
+    log.statuses.push_back(whole.statuses[sample]);
+    log.statuses.back().sequence = static_cast<std::uint32_t>(sample);
+  }
+  return log;
+}
+
 // A second of the record is lost, or it begins in flight. What the controller knew comes back by what it sent.
 TEST(FlownMapsOfPartsOfARecord, AgreeAgainAfterSomeSeconds) {
   const std::vector<RegionMap> opened = solvedMaps(problemsOf("blocked_moves"), "flown_maps_test_parts_");
@@ -223,16 +239,7 @@ TEST(FlownMapsOfPartsOfARecord, AgreeAgainAfterSomeSeconds) {
   const FlightLog whole =
       recordedFlight(maps, options, ReferenceTrajectory::pose({0.3, 0.2, 0.1}, 0.0), plant, 40.0);
   for (const double from : {0.0, 10.0}) {
-    FlightLog log;
-    log.add(whole.references[0].trajectory, std::nullopt);
-    for (std::size_t sample = 0; sample < whole.odometry.size(); ++sample) {
-      const double time = whole.odometry[sample].stamp - whole.odometry[0].stamp;
-      if (time >= from && time < from + 1.0) continue;
-      log.add(whole.odometry[sample]);
-      log.commands.push_back(whole.commands[sample]);
-      log.statuses.push_back(whole.statuses[sample]);
-      log.statuses.back().sequence = static_cast<std::uint32_t>(sample);
-    }
+    const FlightLog log = without(whole, std::nullopt, from, 1.0);
     const ValidationReport report = validate(log, replay(log, maps, options), maps, options);
     ASSERT_EQ(report.incomparable.size(), 1u);
     EXPECT_LT(report.incomparable[0].to, whole.odometry[0].stamp + from + 25.0);
@@ -270,16 +277,7 @@ TEST(FlownMapsOfPartsOfARecord, AreDoubtfulWithWhatALawHasLearnt) {
   const FlightLog whole = recordedFlight(maps, options, shuttleTwice(), plant, 80.0);
   EXPECT_EQ(validate(whole, replay(whole, maps, options), maps, options).commands.max_difference, 0.0);
   for (const double from : {0.0, 18.0}) {
-    FlightLog log;
-    log.add(whole.references[0].trajectory, whole.odometry[0].stamp);
-    for (std::size_t sample = 0; sample < whole.odometry.size(); ++sample) {
-      const double time = whole.odometry[sample].stamp - whole.odometry[0].stamp;
-      if (time >= from && time < from + (from > 0.0 ? 1.0 : 18.0)) continue;
-      log.add(whole.odometry[sample]);
-      log.commands.push_back(whole.commands[sample]);
-      log.statuses.push_back(whole.statuses[sample]);
-      log.statuses.back().sequence = static_cast<std::uint32_t>(sample);
-    }
+    const FlightLog log = without(whole, whole.odometry[0].stamp, from, from > 0.0 ? 1.0 : 18.0);
     const ValidationReport report = validate(log, replay(log, maps, options), maps, options);
     EXPECT_FALSE(report.incomparable.empty());
     EXPECT_FALSE(report.isWhole());

@@ -13,7 +13,7 @@
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
-#include "project_root.hpp"
+#include "shipped_problems.hpp"
 
 namespace polyfly {
 namespace {
@@ -25,11 +25,7 @@ enum class LawKind { kLinear, kNonlinear };
 std::unique_ptr<ControlLaw> makeLaw(LawKind kind, const MultirotorOptions& options) {
   if (kind == LawKind::kNonlinear)
     return std::make_unique<NonlinearController>(options, NonlinearMpcOptions{});
-  const auto problem = [](const char* axis) {
-    return loadProblem(problemFile(std::string("multirotor_") + axis + ".yaml"));
-  };
-  return std::make_unique<MultirotorController>(
-      std::array<MpcProblem, 3>{problem("longitudinal"), problem("lateral"), problem("vertical")}, options);
+  return std::make_unique<MultirotorController>(shippedProblems(), options);
 }
 
 // What an odometry tells whose yaw is less than that of the motion.

@@ -15,7 +15,7 @@
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_test/attitude_plants.hpp"
 #include "polyfly_test/flight_figure.hpp"
-#include "project_root.hpp"
+#include "shipped_problems.hpp"
 
 namespace polyfly {
 namespace {
@@ -140,12 +140,7 @@ Flight fly(ControlLaw& law, AttitudeLoop loop, const Course& course) {
   return flight;
 }
 
-MultirotorController linearLaw(const MultirotorOptions& options = {}) {
-  return {{loadProblem(problemFile("multirotor_longitudinal.yaml")),
-           loadProblem(problemFile("multirotor_lateral.yaml")),
-           loadProblem(problemFile("multirotor_vertical.yaml"))},
-          options};
-}
+MultirotorController linearLaw(const MultirotorOptions& options = {}) { return {shippedProblems(), options}; }
 NonlinearController nonlinearLaw(const MultirotorOptions& options = {}) {
   return {options, NonlinearMpcOptions{}};
 }

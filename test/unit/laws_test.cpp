@@ -15,8 +15,8 @@
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_test/law_flight.hpp"
-#include "project_root.hpp"
 #include "region_maps/region_map.hpp"
+#include "shipped_problems.hpp"
 #include "solved_maps.hpp"
 
 namespace polyfly {
@@ -25,15 +25,9 @@ namespace {
 // Mass of plant and controllers [kg].
 constexpr double kMass = 1.52;
 
-std::array<MpcProblem, 3> problems() {
-  return {loadProblem(problemFile("multirotor_longitudinal.yaml")),
-          loadProblem(problemFile("multirotor_lateral.yaml")),
-          loadProblem(problemFile("multirotor_vertical.yaml"))};
-}
-
 /// Solved once for all tests.
 const std::array<const RegionMap*, 3>& maps() {
-  static const std::vector<RegionMap> kOpened = solvedMaps(problems(), "laws_test_");
+  static const std::vector<RegionMap> kOpened = solvedMaps(shippedProblems(), "laws_test_");
   static const std::array<const RegionMap*, 3> kPointers{&kOpened[0], &kOpened[1], &kOpened[2]};
   return kPointers;
 }
@@ -45,10 +39,10 @@ std::unique_ptr<ControlLaw> explicitLaw(const MultirotorOptions& options = {}) {
 std::unique_ptr<ControlLaw> linearLaw() {
   MultirotorOptions options;
   options.look_ahead = false;
-  return std::make_unique<MultirotorController>(problems(), options);
+  return std::make_unique<MultirotorController>(shippedProblems(), options);
 }
 std::unique_ptr<ControlLaw> lookingAhead() {
-  return std::make_unique<MultirotorController>(problems(), MultirotorOptions());
+  return std::make_unique<MultirotorController>(shippedProblems(), MultirotorOptions());
 }
 std::unique_ptr<ControlLaw> nonlinearLaw() {
   return std::make_unique<NonlinearController>(MultirotorOptions(), NonlinearMpcOptions());
@@ -196,7 +190,7 @@ TEST(Laws, NonlinearTracksAtLeastAsWellAsLinearAndMuchBetterWhenPushed) {
   for (const double rate : {0.4, 0.53, 0.7, 0.9}) {
     Course course;
     course.figure.rate = rate;
-    MultirotorController linear_law(problems(), options);
+    MultirotorController linear_law(shippedProblems(), options);
     NonlinearController nonlinear_law(options, {});
     const Flight linear = fly(linear_law, course);
     const Flight nonlinear = fly(nonlinear_law, course);
@@ -219,7 +213,7 @@ TEST(Laws, TheRateOfTheDisturbanceHelpsLinearAndLeavesNonlinearAsItIs) {
   for (const double rate : {0.53, 0.9}) {
     Course course;
     course.figure.rate = rate;
-    MultirotorController linear(problems(), constant), linear_with(problems(), following);
+    MultirotorController linear(shippedProblems(), constant), linear_with(shippedProblems(), following);
     NonlinearController nonlinear(constant, {}), nonlinear_with(following, {});
     EXPECT_LT(fly(linear_with, course).rms, 0.85 * fly(linear, course).rms) << "rate " << rate;
     EXPECT_LT(fly(nonlinear_with, course).rms, fly(nonlinear, course).rms + 1e-4) << "rate " << rate;

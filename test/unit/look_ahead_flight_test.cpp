@@ -14,8 +14,8 @@
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
-#include "project_root.hpp"
 #include "region_maps/region_map.hpp"
+#include "shipped_problems.hpp"
 #include "solved_maps.hpp"
 
 namespace polyfly {
@@ -23,16 +23,10 @@ namespace {
 
 using Path = std::function<Reference(double)>;
 
-/// Problems whose maps look ahead, in the order of the axes.
-std::array<MpcProblem, 3> blockedProblems() {
-  return {loadProblem(problemFile("look_ahead/longitudinal.yaml")),
-          loadProblem(problemFile("look_ahead/lateral.yaml")),
-          loadProblem(problemFile("look_ahead/vertical.yaml"))};
-}
-
 /// Their maps, solved once for all tests.
 const std::array<const RegionMap*, 3>& maps() {
-  static const std::vector<RegionMap> kOpened = solvedMaps(blockedProblems(), "look_ahead_flight_test_");
+  static const std::vector<RegionMap> kOpened =
+      solvedMaps(shippedProblems("look_ahead/"), "look_ahead_flight_test_");
   static const std::array<const RegionMap*, 3> kPointers{&kOpened[0], &kOpened[1], &kOpened[2]};
   return kPointers;
 }
@@ -43,10 +37,7 @@ MultirotorController makeLaw(Kind kind, bool look_ahead) {
   MultirotorOptions options;
   options.look_ahead = look_ahead;
   if (kind == Kind::kMaps) return {maps(), options};
-  return {{loadProblem(problemFile("multirotor_longitudinal.yaml")),
-           loadProblem(problemFile("multirotor_lateral.yaml")),
-           loadProblem(problemFile("multirotor_vertical.yaml"))},
-          options};
+  return {shippedProblems(), options};
 }
 
 /// Root mean square of the position error along the path for so long [m].
@@ -159,7 +150,7 @@ TEST(LookAheadFlight, MapsFlyTheFigure) {
 class MapLookAhead : public testing::TestWithParam<std::size_t> {
  protected:
   MapLookAhead()
-      : problem_(blockedProblems()[GetParam()]),
+      : problem_(shippedProblems("look_ahead/")[GetParam()]),
         names_(kAxisNames[GetParam()]),
         map_(*maps()[GetParam()], names_, MultirotorOptions{}),
         online_(onlineAxisLaw(problem_), names_, MultirotorOptions{}) {}

@@ -16,7 +16,7 @@
 #include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_test/law_flight.hpp"
-#include "project_root.hpp"
+#include "shipped_problems.hpp"
 
 namespace polyfly {
 namespace {
@@ -92,9 +92,7 @@ std::vector<LawType> typesWithDamped() {
 
 LawInputs inputs(const std::vector<LawType>& types) {
   LawInputs inputs;
-  inputs.problems = {loadProblem(problemFile("multirotor_longitudinal.yaml")),
-                     loadProblem(problemFile("multirotor_lateral.yaml")),
-                     loadProblem(problemFile("multirotor_vertical.yaml"))};
+  inputs.problems = shippedProblems();
   inputs.options = defaultLawOptions(types);
   return inputs;
 }

@@ -14,8 +14,8 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "outlier_flight.hpp"
-#include "project_root.hpp"
 #include "reference_data.hpp"
+#include "shipped_problems.hpp"
 
 namespace polyfly {
 namespace {
@@ -23,10 +23,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 std::unique_ptr<ControlLaw> linear(const MultirotorOptions& options) {
-  static const std::array<MpcProblem, 3> kProblems = {
-      loadProblem(problemFile("multirotor_longitudinal.yaml")),
-      loadProblem(problemFile("multirotor_lateral.yaml")),
-      loadProblem(problemFile("multirotor_vertical.yaml"))};
+  static const std::array<MpcProblem, 3> kProblems = shippedProblems();
   return std::make_unique<MultirotorController>(kProblems, options);
 }
 

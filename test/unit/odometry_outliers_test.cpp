@@ -11,16 +11,13 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "offline_mpt/encode.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "outlier_flight.hpp"
-#include "project_root.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/write_map.hpp"
-#include "robust_mpc/robust_law.hpp"
-#include "robust_mpc/robust_problem.hpp"
+#include "shipped_problems.hpp"
 #include "solved_maps.hpp"
+#include "solved_robust_maps.hpp"
 
 namespace polyfly {
 namespace {
@@ -30,35 +27,17 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kRounding = 1e-6;
 constexpr double kDegree = kPi / 180.0;
 
-std::array<MpcProblem, 3> problems() {
-  return {loadProblem(problemFile("multirotor_longitudinal.yaml")),
-          loadProblem(problemFile("multirotor_lateral.yaml")),
-          loadProblem(problemFile("multirotor_vertical.yaml"))};
-}
-
 using Maps = std::vector<RegionMap>;
 
 std::array<const RegionMap*, 3> pointers(const Maps& maps) { return {&maps[0], &maps[1], &maps[2]}; }
 
 const Maps& nominalMaps() {
-  static const Maps kOpened = solvedMaps(problems(), "odometry_outliers_");
+  static const Maps kOpened = solvedMaps(shippedProblems(), "odometry_outliers_");
   return kOpened;
 }
 
 const Maps& robustMaps() {
-  static const Maps kOpened = [] {
-    Maps result;
-    for (const char* axis : {"longitudinal", "lateral", "vertical"}) {
-      const std::string name = std::string("aslquad_") + axis;
-      const RobustProblem problem = loadRobustProblem(problemFile("robust/" + name + ".yaml"));
-      const RobustLaw law = explicitLaw(problem, projectFeasibleSet(buildRobustProgram(problem)));
-      const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
-      const std::string path = testing::TempDir() + "odometry_outliers_" + name + ".map";
-      writeMap(encode(rounded.program, rounded.partition), path);
-      result.push_back(RegionMap::open(path));
-    }
-    return result;
-  }();
+  static const Maps kOpened = aslquadMaps("odometry_outliers_");
   return kOpened;
 }
 
@@ -66,7 +45,7 @@ std::unique_ptr<ControlLaw> explicitLinear(const MultirotorOptions& options) {
   return std::make_unique<MultirotorController>(pointers(nominalMaps()), options);
 }
 std::unique_ptr<ControlLaw> linear(const MultirotorOptions& options) {
-  return std::make_unique<MultirotorController>(problems(), options);
+  return std::make_unique<MultirotorController>(shippedProblems(), options);
 }
 std::unique_ptr<ControlLaw> nonlinear(const MultirotorOptions& options) {
   return std::make_unique<NonlinearController>(options, NonlinearMpcOptions{});

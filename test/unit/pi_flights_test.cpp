@@ -9,12 +9,10 @@
 #include <vector>
 
 #include "compared_laws.hpp"
-#include "identification/identify_axis.hpp"
-#include "identification/motion.hpp"
-#include "online_controller/types/attitude.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/pi_controller.hpp"
 #include "polyfly_test/rigid_body_plant.hpp"
+#include "steps_to_identify.hpp"
 
 namespace polyfly {
 namespace {
@@ -45,56 +43,18 @@ Pilot piPilot() {
 }
 
 double valueOf(const std::vector<FittedParameter>& parameters, const std::string& name) {
-  for (const FittedParameter& parameter : parameters) {
-    if (parameter.name != name) continue;
-    EXPECT_TRUE(parameter.supported) << name;
-    return parameter.value;
-  }
-  ADD_FAILURE() << "no parameter " << name;
-  return 0.0;
-}
-
-void record(const char* name, double time, double value, FlightSignals* log) {
-  log->series[name].time.push_back(time);
-  log->series[name].value.push_back(value);
-}
-
-/// What `calibrate` sees of a minute of steps to and fro by the PI controller, measured with noise.
-FlightSignals flightToIdentify() {
-  RigidBodyOptions options;
-  options.position_noise = 0.002;
-  options.velocity_noise = 0.01;
-  options.attitude_noise = 0.002;
-  const auto goal = [](double time) {
-    Reference reference;
-    reference.position = {std::fmod(time, 7.0) < 3.5 ? 4.0 : 0.0, std::fmod(time, 5.0) < 2.5 ? 3.0 : 0.0,
-                          1.0};
-    return reference;
-  };
-  RigidBodyPlant plant(options, Eigen::Vector3d::Zero());
-  const Pilot pi = piPilot();
-  FlightSignals log;
-  log.source = "steps to and fro";
-  while (plant.time() < 60.0) {
-    const VehicleState state = plant.measure();
-    const AttitudeCommand command = pi(state, goal);
-    const EulerAngles angles = eulerAngles(state.attitude);
-    record("roll_cmd", state.stamp, command.roll, &log);
-    record("pitch_cmd", state.stamp, command.pitch, &log);
-    record("roll", state.stamp, angles.roll, &log);
-    record("pitch", state.stamp, angles.pitch, &log);
-    record("yaw", state.stamp, angles.yaw, &log);
-    record("vx", state.stamp, state.velocity.x(), &log);
-    record("vy", state.stamp, state.velocity.y(), &log);
-    record("vz", state.stamp, state.velocity.z(), &log);
-    plant.advance(command, kPeriod);
-  }
-  return log;
+  const FittedParameter parameter = parameterOf(parameters, name);
+  EXPECT_TRUE(parameter.supported) << name;
+  return parameter.value;
 }
 
 /// What `calibrate attitude` and `calibrate drag` find for the laws; roll stands for pitch too.
 Model identifiedModel() {
-  const FlightSignals log = flightToIdentify();
+  RigidBodyOptions options;
+  options.position_noise = 0.002;
+  options.velocity_noise = 0.01;
+  options.attitude_noise = 0.002;
+  const FlightSignals log = stepsToIdentify(options);
   const AxisModel roll = identifyAxis(axisRecords(log, "roll"), {});
   const ControllerModel* model = roll.findModel("model_without_delay");
   EXPECT_TRUE(model != nullptr && model->supported());

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "offline_mpt/encode.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_base/error.hpp"
@@ -12,8 +11,7 @@
 #include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
 #include "project_root.hpp"
-#include "region_maps/write_map.hpp"
-#include "robust_mpc/robust_law.hpp"
+#include "solved_robust_maps.hpp"
 
 namespace polyfly_test {
 namespace {
@@ -120,20 +118,6 @@ class Aslquad {
     int no_answer = 0;
   };
 
-  Aslquad() {
-    for (const char* axis : {"longitudinal", "lateral", "vertical"}) {
-      const std::string name = std::string("aslquad_") + axis;
-      const polyfly::RobustProblem problem =
-          polyfly::loadRobustProblem(polyfly::problemFile("robust/" + name + ".yaml"));
-      const polyfly::RobustLaw law =
-          polyfly::explicitLaw(problem, polyfly::projectFeasibleSet(polyfly::buildRobustProgram(problem)));
-      const polyfly::RoundedLaw rounded = polyfly::roundLaw(problem, law, polyfly::ExploreStatus::kComplete);
-      const std::string path = testing::TempDir() + "robust_flights_" + name + ".map";
-      polyfly::writeMap(polyfly::encode(rounded.program, rounded.partition), path);
-      maps_.push_back(polyfly::RegionMap::open(path));
-    }
-  }
-
   Flight fly(polyfly::PlantOptions plant_options, const Eigen::Vector3d& start, double seconds,
              double period = 0.08, const polyfly::TiltAngles& trim = {}) const {
     plant_options.period = period;
@@ -199,7 +183,7 @@ class Aslquad {
     return false;
   }
 
-  std::vector<polyfly::RegionMap> maps_;
+  std::vector<polyfly::RegionMap> maps_ = polyfly::aslquadMaps("robust_flights_");
 };
 
 const Aslquad& aslquad() {

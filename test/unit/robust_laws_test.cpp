@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "allocations.hpp"
-#include "offline_mpt/encode.hpp"
 #include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
@@ -22,9 +21,9 @@
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "project_root.hpp"
-#include "region_maps/write_map.hpp"
-#include "robust_mpc/robust_law.hpp"
 #include "second_order.hpp"
+#include "shipped_problems.hpp"
+#include "solved_robust_maps.hpp"
 
 namespace polyfly {
 namespace {
@@ -33,14 +32,6 @@ using Eigen::Vector3d;
 
 constexpr double kMass = 0.65;    // of the ASLquad [kg]
 constexpr double kPeriod = 0.08;  // sampling time of the maps [s]
-
-RegionMap solve(const RobustProblem& problem, const std::string& name) {
-  const RobustLaw law = explicitLaw(problem, projectFeasibleSet(buildRobustProgram(problem)));
-  const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
-  const std::string path = testing::TempDir() + "robust_laws_" + name + ".map";
-  writeMap(encode(rounded.program, rounded.partition), path);
-  return RegionMap::open(path);
-}
 
 /// Maps of the three axes.
 struct Maps {
@@ -51,7 +42,8 @@ struct Maps {
 Maps solveAll(const std::array<std::string, 3>& texts, const std::string& name) {
   Maps maps;
   for (std::size_t i = 0; i < texts.size(); ++i)
-    maps.opened.push_back(solve(parseRobustProblem(texts.at(i), name), name + std::to_string(i)));
+    maps.opened.push_back(
+        solvedRobustMap(parseRobustProblem(texts.at(i), name), "robust_laws_" + name + std::to_string(i)));
   return maps;
 }
 
@@ -210,12 +202,6 @@ TEST(RobustLaws, TheConstantPartNeedsTheReferenceOfTheInput) {
   }
 }
 
-std::array<MpcProblem, 3> trackingProblems() {
-  return {loadProblem(problemFile("multirotor_longitudinal.yaml")),
-          loadProblem(problemFile("multirotor_lateral.yaml")),
-          loadProblem(problemFile("multirotor_vertical.yaml"))};
-}
-
 std::unique_ptr<LawSwitch> threeLaws(const Maps& maps, Law first) {
   const MultirotorOptions options = optionsOf(0.01, 1.0);
   std::vector<std::unique_ptr<ControlLaw>> laws(lawTypes().size());
@@ -223,7 +209,7 @@ std::unique_ptr<LawSwitch> threeLaws(const Maps& maps, Law first) {
     return laws[static_cast<std::size_t>(lawOfName(name))];
   };
   place("robust_explicit") = std::make_unique<MultirotorController>(maps.pointers(), options);
-  place("linear") = std::make_unique<MultirotorController>(trackingProblems(), options);
+  place("linear") = std::make_unique<MultirotorController>(shippedProblems(), options);
   place("nonlinear") = std::make_unique<NonlinearController>(options, NonlinearMpcOptions());
   return std::make_unique<LawSwitch>(std::move(laws), first, options);
 }

@@ -3,15 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
+#include <vector>
 
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "project_root.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/write_map.hpp"
-#include "robust_mpc/robust_law.hpp"
+#include "shipped_problems.hpp"
+#include "solved_maps.hpp"
+#include "solved_robust_maps.hpp"
 
 namespace polyfly_test {
 namespace {
@@ -21,33 +22,19 @@ polyfly::RegionMap solveRobust(const std::string& axis, int weight) {
   const std::string stated = "tie_break: {Q: [40,";
   text.replace(text.find(stated), stated.size(), "tie_break: {Q: [" + std::to_string(weight) + ",");
   const polyfly::RobustProblem problem = polyfly::parseRobustProblem(text, axis);
-  const polyfly::RoundedLaw law = polyfly::roundLaw(
-      problem,
-      polyfly::explicitLaw(problem, polyfly::projectFeasibleSet(polyfly::buildRobustProgram(problem))),
-      polyfly::ExploreStatus::kComplete);
-  const std::string path = testing::TempDir() + "soak_test_robust_" + axis + std::to_string(weight) + ".map";
-  polyfly::writeMap(polyfly::encode(law.program, law.partition), path);
-  return polyfly::RegionMap::open(path);
+  return polyfly::solvedRobustMap(problem, "soak_test_robust_" + axis + std::to_string(weight));
 }
 
 TEST(Soak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   SoakLaws laws;
-  std::vector<polyfly::RegionMap> opened;
-  opened.reserve(6);
+  laws.problems = polyfly::shippedProblems();
+  std::vector<std::vector<polyfly::RegionMap>> opened;
   for (const double factor : {1.0, 1.3}) {  // two sets of maps, of other weights
-    for (std::size_t i = 0; i < 3; ++i) {
-      const char* axes[] = {"longitudinal", "lateral", "vertical"};
-      polyfly::MpcProblem problem =
-          polyfly::loadProblem(polyfly::problemFile(std::string("multirotor_") + axes[i] + ".yaml"));
-      if (factor == 1.0) laws.problems[i] = problem;
-      problem.Q(0, 0) *= factor;
-      const polyfly::ParametricProgram program = polyfly::condense(problem);
-      const std::string path = testing::TempDir() + "soak_test_" + axes[i] + std::to_string(factor) + ".map";
-      polyfly::writeMap(polyfly::encode(program, polyfly::explore(program)), path);
-      opened.push_back(polyfly::RegionMap::open(path));
-    }
+    std::array<polyfly::MpcProblem, 3> problems = laws.problems;
+    for (polyfly::MpcProblem& problem : problems) problem.Q(0, 0) *= factor;
+    opened.push_back(polyfly::solvedMaps(problems, "soak_test_" + std::to_string(factor)));
+    laws.maps.push_back({&opened.back()[0], &opened.back()[1], &opened.back()[2]});
   }
-  laws.maps = {{&opened[0], &opened[1], &opened[2]}, {&opened[3], &opened[4], &opened[5]}};
 
   std::vector<polyfly::RegionMap> robust;
   robust.reserve(6);

@@ -122,21 +122,6 @@ TEST(Robustness, ABadReferenceHolds) {
   }
 }
 
-TEST(Robustness, BadNumbersForLongEndLevel) {
-  Flight flight;
-  for (int k = 0; k < 10; ++k) flight.controller->step(stateAt(k), referenceAt(k));
-  VehicleState bad = stateAt(10);
-  bad.position.x() = kNan;
-  for (int i = 0; i < polyfly::MultirotorOptions{}.hold_periods; ++i) {
-    EXPECT_EQ(flight.controller->step(bad, referenceAt(10)).status, ControlStatus::kHoldLast);
-  }
-  const ControlReport& report = flight.controller->step(bad, referenceAt(10));
-  EXPECT_EQ(report.status, ControlStatus::kLevel);
-  EXPECT_EQ(report.command.roll, 0.0);
-  EXPECT_EQ(report.command.thrust, 1.52 * 9.8066);
-  EXPECT_EQ(flight.controller->step(stateAt(30), referenceAt(30)).status, ControlStatus::kOptimal);
-}
-
 TEST(Robustness, AQuaternionThatIsNoneIsRefused) {
   Flight flight;
   VehicleState state = stateAt(0);
