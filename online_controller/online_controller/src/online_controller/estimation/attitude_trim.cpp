@@ -23,7 +23,7 @@ constexpr double kCouplingNoise = 0.003;
 constexpr double kGainDeviation = 0.15;
 constexpr double kLagDeviation = 0.3;
 // What a lag of first order leaves of a loop shows in seconds only: a dead time makes it swing slowly.
-constexpr double kFirstNoise = 4.0;
+constexpr double kFirstNoise = 3.5;
 
 }  // namespace
 
