@@ -105,11 +105,11 @@ TEST(AdaptationInGusts, AfterGustsTheCircleIsFlownAsBefore) {
   }
 }
 
-// Gusts last longer than a period: they must teach little. Of the linear law's 40 conditions at most the share of 5 in 80
-// may be worse than without.
+// Gusts last longer than a period: they must teach little. At most 5 of 80 conditions of both laws may be worse than without;
+// of the linear law's 40, which are quick, at most 3.
 TEST(AdaptationInGusts, CostsLittleInTheGusts) {
   constexpr double kWorse = 1.05, kWorseAfter = 1.2;
-  constexpr int kMostWorse = 2;
+  constexpr int kMostWorse = 3;
   RigidBodyOptions vehicle = heavy();
   vehicle.position_noise = 0.002;
   vehicle.velocity_noise = 0.01;

@@ -25,7 +25,7 @@ namespace polyfly {
 /// c. Where the reference rests nothing is learnt, whatever pushes the vehicle.
 class CoefficientEstimate {
  public:
-  static constexpr double kForgetTime = 200.0;  ///< [s]
+  static constexpr double kForgetTime = 150.0;  ///< [s]
   static constexpr double kLostTime = 3.0;      ///< [s]
 
   /// For an observer of this problem and options. `state` is the one whose innovation counts, `deviation` the standard
