@@ -66,12 +66,15 @@ void CoefficientEstimate::update(DisturbanceObserver& observer, std::optional<do
   const double slope = derivative_.innovation(state_);
   record(innovation - slope * value_, slope, duration);
   variance_ = std::min(variance_ + greatest_variance_ * duration / kForgetTime, greatest_variance_);
-  const double gain = variance_ * slope / (slope * slope * variance_ + noise());
-  variance_ -= gain * slope * variance_;
   const double before = value_;
-  const double unknown = variance_ / greatest_variance_;
-  const double kept = std::exp(-duration * (signal ? unknown * unknown / kForgetTime : 1.0 / kLostTime));
-  value_ = within(kept * value_ - gain * innovation);
+  if (signal) {
+    const double gain = variance_ * slope / (slope * slope * variance_ + noise());
+    variance_ -= gain * slope * variance_;
+    const double unknown = variance_ / greatest_variance_;
+    value_ = within(std::exp(-duration * unknown * unknown / kForgetTime) * value_ - gain * innovation);
+  } else {
+    value_ *= std::exp(-duration / kLostTime);
+  }
   observer.move(value_ - before, derivative_);
 }
 

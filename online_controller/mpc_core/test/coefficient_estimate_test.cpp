@@ -120,6 +120,23 @@ TEST(CoefficientEstimate, IsTheLeastSquaresOfTheInnovations) {
   }
 }
 
+// A velocity that lies for a moment is no drag, whatever the innovations are then.
+TEST(CoefficientEstimate, NothingIsLearntOfWhatIsNotFollowed) {
+  constexpr double kLie = 3.0;  // [m/s]
+  DisturbanceObserver observer(lateral(), {});
+  CoefficientEstimate drag(lateral(), {}, 1, kDeviation);
+  for (const Sample& sample : flight(1500, 0.0, 0.3, 1)) {
+    observer.update(sample.y.data(), &sample.u, 1, -drag.value() * sample.signal);
+    drag.update(observer, sample.signal, 1);
+  }
+  const double before = drag.value(), period = ObserverOptions{}.period;
+  Sample sample = flight(1501, 0.0, 0.3, 1).back();
+  sample.y(1) -= kLie;
+  observer.update(sample.y.data(), &sample.u, 1, -before * sample.signal);
+  drag.update(observer, std::nullopt, 1);
+  EXPECT_NEAR(drag.value(), before * std::exp(-period / CoefficientEstimate::kLostTime), 1e-12);
+}
+
 TEST(CoefficientEstimate, StaysWithinThreeDeviationsAndGoesOnInAnother) {
   DisturbanceObserver observer(lateral(), {});
   CoefficientEstimate drag(lateral(), {}, 1, 0.01), next(lateral(), {}, 1, 0.01);

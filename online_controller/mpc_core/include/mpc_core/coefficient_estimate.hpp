@@ -37,7 +37,8 @@ class CoefficientEstimate {
   double value() const noexcept { return value_; }  ///< c
 
   /// After the update of `observer` over as many periods, in which `signal` was r. The observer has to know -c r too.
-  /// Without a signal, because the vehicle does not follow it, c decays to 0 in kLostTime.
+  /// Without a signal, because the vehicle does not follow it, nothing is learnt but the noise, and c decays to 0 in
+  /// kLostTime.
   void update(DisturbanceObserver& observer, std::optional<double> signal, int periods) noexcept;
 
   void reset() noexcept;
