@@ -50,6 +50,24 @@ std::vector<Sample> flight(int samples, double noise, double amplitude, std::uin
   return result;
 }
 
+/// The same flight in gusts of `sigma` [m/s^2] that fade in 1 s.
+std::vector<Sample> gusts(std::vector<Sample> calm, double sigma, std::uint32_t seed) {
+  MpcProblem problem = lateral();
+  problem.A_c(1, 1) -= kDrag;
+  const DiscreteModel model = discretise(problem, ObserverOptions{}.period);
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  const double kept = std::exp(-ObserverOptions{}.period);
+  Eigen::Vector3d more = Eigen::Vector3d::Zero();
+  double gust = 0.0;
+  for (Sample& sample : calm) {
+    gust = kept * gust + std::sqrt(1.0 - kept * kept) * sigma * normal(generator);
+    more = model.A * more + model.Bd * gust;
+    sample.y += more;
+  }
+  return calm;
+}
+
 struct Found {
   double drag, wind;
 };
@@ -68,6 +86,15 @@ TEST(CoefficientEstimate, FindsADragAndLeavesTheConstantPart) {
   const Found found = find(flight(3000, 0.0, 0.1, 1));
   EXPECT_NEAR(found.drag, kDrag, 0.01 * kDrag);
   EXPECT_NEAR(found.wind, kWind, 0.01);
+}
+
+// Taken for noise of each sample they would teach a drag that is wrong by as much as there is.
+TEST(CoefficientEstimate, GustsTeachLittle) {
+  constexpr int kFlights = 50;
+  double sum = 0.0;
+  for (std::uint32_t seed = 1; seed <= kFlights; ++seed)
+    sum += std::pow(find(gusts(flight(3000, 0.0, 0.3, 1), 1.0, seed)).drag - kDrag, 2);
+  EXPECT_LT(std::sqrt(sum / kFlights), 0.75 * kDrag);
 }
 
 /// Sum of squares of the innovations of v and of c, in their deviations, while c is known to be `drag`.
@@ -91,6 +118,23 @@ TEST(CoefficientEstimate, IsTheLeastSquaresOfTheInnovations) {
       EXPECT_NEAR(find(flown).drag, least, 0.03 * kDeviation) << seed << " " << samples;
     }
   }
+}
+
+// A velocity that lies for a moment is no drag, whatever the innovations are then.
+TEST(CoefficientEstimate, NothingIsLearntOfWhatIsNotFollowed) {
+  constexpr double kLie = 3.0;  // [m/s]
+  DisturbanceObserver observer(lateral(), {});
+  CoefficientEstimate drag(lateral(), {}, 1, kDeviation);
+  for (const Sample& sample : flight(1500, 0.0, 0.3, 1)) {
+    observer.update(sample.y.data(), &sample.u, 1, -drag.value() * sample.signal);
+    drag.update(observer, sample.signal, 1);
+  }
+  const double before = drag.value(), period = ObserverOptions{}.period;
+  Sample sample = flight(1501, 0.0, 0.3, 1).back();
+  sample.y(1) -= kLie;
+  observer.update(sample.y.data(), &sample.u, 1, -before * sample.signal);
+  drag.update(observer, std::nullopt, 1);
+  EXPECT_NEAR(drag.value(), before * std::exp(-period / CoefficientEstimate::kLostTime), 1e-12);
 }
 
 TEST(CoefficientEstimate, StaysWithinThreeDeviationsAndGoesOnInAnother) {

@@ -22,6 +22,8 @@ constexpr double kCouplingNoise = 0.003;
 // Standard deviations of c1 and c2, as shares of 1 / gain and time / gain.
 constexpr double kGainDeviation = 0.15;
 constexpr double kLagDeviation = 0.3;
+// What a lag of first order leaves of a loop shows in seconds only: a dead time makes it swing slowly.
+constexpr double kFirstNoise = 3.5;
 
 }  // namespace
 
@@ -40,8 +42,8 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   observer.disturbance = options.trim_drift;
   Loop loop{{problem, observer}, gain, time, {}, {}};
   if (options.adapt_model) {
-    loop.by_angle.emplace(problem, observer, 0, kGainDeviation / gain);
-    loop.by_rate.emplace(problem, observer, 0, kLagDeviation * time / gain);
+    loop.by_angle.emplace(problem, observer, 0, kGainDeviation / gain, kFirstNoise);
+    loop.by_rate.emplace(problem, observer, 0, kLagDeviation * time / gain, kFirstNoise);
   }
   return loop;
 }
