@@ -82,6 +82,9 @@ Ball Ball::magnitude() const {
 
 mpq_class Ball::greatest() const { return magnitude().upper(); }
 
+BallMatrix::BallMatrix(const Matrix& exact)
+    : rows_(exact.rows), columns_(exact.columns), entries_(exact.entries.begin(), exact.entries.end()) {}
+
 BallMatrix BallMatrix::identity(std::size_t size) {
   BallMatrix result(size, size);
   for (std::size_t i = 0; i < size; ++i) result.at(i, i) = Ball(1);
@@ -133,10 +136,21 @@ void BallMatrix::setBlock(std::size_t row, std::size_t column, const BallMatrix&
   }
 }
 
+BallMatrix BallMatrix::scaled(const mpq_class& factor) const {
+  const Ball ball(factor);
+  return changed([&](const Ball& entry) { return entry * ball; });
+}
+
+BallMatrix BallMatrix::widened(const mpq_class& by) const {
+  return changed([&](const Ball& entry) { return entry.widened(by); });
+}
+
+BallMatrix BallMatrix::magnitudes() const {
+  return changed([](const Ball& entry) { return entry.magnitude(); });
+}
+
 BallMatrix BallMatrix::middle() const {
-  BallMatrix result = *this;
-  for (Ball& entry : result.entries_) entry = entry.middle();
-  return result;
+  return changed([](const Ball& entry) { return entry.middle(); });
 }
 
 mpq_class BallMatrix::greatest() const {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <gmpxx.h>
-
 #include <vector>
+
+#include "core/program.hpp"
 
 /// Real numbers in fixed point with a bound of their error, and matrices of them.
 namespace checker {
@@ -48,6 +48,7 @@ class BallMatrix {
   BallMatrix() = default;
   BallMatrix(std::size_t rows, std::size_t columns)
       : rows_(rows), columns_(columns), entries_(rows * columns) {}
+  explicit BallMatrix(const Matrix& exact);
   static BallMatrix identity(std::size_t size);
 
   std::size_t rows() const { return rows_; }
@@ -61,6 +62,9 @@ class BallMatrix {
   BallMatrix transposed() const;
   BallMatrix block(std::size_t row, std::size_t column, std::size_t rows, std::size_t columns) const;
   void setBlock(std::size_t row, std::size_t column, const BallMatrix& block);
+  BallMatrix scaled(const mpq_class& factor) const;
+  BallMatrix widened(const mpq_class& by) const;
+  BallMatrix magnitudes() const;
   /// Approximation: all entries without their errors.
   BallMatrix middle() const;
   /// At least the greatest absolute value.
@@ -69,6 +73,13 @@ class BallMatrix {
   mpq_class norm() const;
 
  private:
+  template <class Change>
+  BallMatrix changed(const Change& change) const {
+    BallMatrix result = *this;
+    for (Ball& entry : result.entries_) entry = change(entry);
+    return result;
+  }
+
   std::size_t rows_ = 0, columns_ = 0;
   std::vector<Ball> entries_;
 };

@@ -14,25 +14,16 @@ BallMatrix exponential(const BallMatrix& M) {
     require(squarings < kMostSquarings, "the model is too fast for the sampling time");
     scale /= 2;
   }
-  const std::size_t size = M.rows();
-  BallMatrix scaled = M;
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j < size; ++j) scaled.at(i, j) = scaled.at(i, j) * Ball(scale);
-  }
-  BallMatrix result = BallMatrix::identity(size), power = result;
+  const BallMatrix small = M.scaled(scale);
+  BallMatrix result = BallMatrix::identity(M.rows()), power = result;
   // The next term's norm is at most 2^-k / k!; all that follow add up to less than as much again.
   mpq_class rest(1);
   for (unsigned k = 1; k <= kTerms; ++k) {
-    power = power * scaled;
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t j = 0; j < size; ++j) power.at(i, j) = power.at(i, j) / Ball(mpq_class(k));
-    }
+    power = (power * small).scaled(mpq_class(1, k));
     result = result + power;
     rest /= 2 * k;
   }
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j < size; ++j) result.at(i, j) = result.at(i, j).widened(rest);
-  }
+  result = result.widened(rest);
   for (; squarings > 0; --squarings) result = result * result;
   return result;
 }
@@ -46,10 +37,7 @@ DiscreteSystem discretised(const TrackingProblem& problem) {
   M.setBlock(0, 0, problem.A);
   M.setBlock(0, nx, problem.B);
   M.setBlock(0, nx + nu, problem.B_d);
-  for (std::size_t i = 0; i < nx; ++i) {
-    for (std::size_t j = 0; j < M.columns(); ++j) M.at(i, j) = M.at(i, j) * Ball(problem.sampling_time);
-  }
-  const BallMatrix map = exponential(M);
+  const BallMatrix map = exponential(M.scaled(problem.sampling_time));
   return {map.block(0, 0, nx, nx), map.block(0, nx, nx, nu), map.block(0, nx + nu, nx, nd)};
 }
 

@@ -63,21 +63,23 @@ std::pair<double, double> rangeOf(const YAML::Node& node) {
   return {numberOf(node[0]), numberOf(node[1])};
 }
 
-BallMatrix ballMatrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns) {
-  const Matrix exact = matrixOf(node, rows, columns);
-  BallMatrix result(rows, columns);
-  for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t j = 0; j < columns; ++j) result.at(i, j) = Ball(exact.at(i, j));
-  return result;
-}
+Fraction doubleOf(const YAML::Node& node) { return Fraction(numberOf(node)); }
 
-Matrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns) {
+Matrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns, ReadNumber read) {
   require(node.IsSequence() && node.size() == rows, "problem: a matrix has another size");
   Matrix result{rows, columns, {}};
   for (const auto& row : node) {
     require(row.IsSequence() && row.size() == columns, "problem: a matrix has another size");
-    for (const auto& entry : row) result.entries.emplace_back(numberOf(entry));
+    for (const auto& entry : row) result.entries.push_back(read(entry));
   }
+  return result;
+}
+
+Matrix weightOf(const YAML::Node& node, std::size_t size, ReadNumber read) {
+  require(node.IsSequence() && node.size() == size, "problem: a weight has another size");
+  if (node[0].IsSequence()) return matrixOf(node, size, size, read);
+  Matrix result{size, size, Vector(size * size)};
+  for (std::size_t i = 0; i < size; ++i) result.entries[i * size + i] = read(node[i]);
   return result;
 }
 
@@ -86,6 +88,12 @@ Matrix columnOf(const YAML::Node& node, std::size_t rows) {
   Matrix result{rows, 1, {}};
   for (const auto& entry : node) result.entries.emplace_back(numberOf(entry));
   return result;
+}
+
+void requireHead(const YAML::Node& root, const std::string& type, const std::set<std::string>& known) {
+  requireKeys(root, known);
+  require(countOf(root["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
+  require(root["type"].as<std::string>() == type, "problem: is of no type " + type);
 }
 
 }  // namespace checker

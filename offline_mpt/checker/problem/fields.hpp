@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/program.hpp"
-#include "problem/ball.hpp"
 
 /// Fields of problem files. Numbers are doubles at their exact values. All throw Refused.
 namespace checker {
@@ -31,9 +30,27 @@ std::size_t countOf(const YAML::Node& node);
 /// Two numbers.
 std::pair<double, double> rangeOf(const YAML::Node& node);
 
-BallMatrix ballMatrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns);
-Matrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns);
+/// How a file's numbers count.
+using ReadNumber = Fraction (*)(const YAML::Node&);
+/// As its double.
+Fraction doubleOf(const YAML::Node& node);
+Matrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t columns, ReadNumber read = doubleOf);
+/// A matrix, or its diagonal.
+Matrix weightOf(const YAML::Node& node, std::size_t size, ReadNumber read = doubleOf);
 /// A column.
 Matrix columnOf(const YAML::Node& node, std::size_t rows);
+
+/// The file is of this type and of version 1, with some of these keys.
+void requireHead(const YAML::Node& root, const std::string& type, const std::set<std::string>& known);
+
+/// What `use` makes of the document of a text. Refuses what is no YAML.
+template <class Use>
+auto withDocument(const std::string& text, const Use& use) {
+  try {
+    return use(documentOf(text));
+  } catch (const YAML::Exception& error) {
+    throw Refused(std::string("problem: ") + error.what());
+  }
+}
 
 }  // namespace checker

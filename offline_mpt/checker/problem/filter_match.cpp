@@ -8,45 +8,29 @@ namespace checker {
 namespace {
 
 /// Minimise sum of weight (u - wish)^2 / 2 over z = u, theta = (xi, wish).
-class FilterProgram {
- public:
-  explicit FilterProgram(const FilterProblem& problem)
-      : problem_(problem), nu_(problem.inputCount()), n_(problem.size()), p_(n_ + nu_) {}
-
-  ExpectedProgram run() {
-    result_.H = BallMatrix(nu_, nu_);
-    result_.F = BallMatrix(nu_, p_ + 1);
-    result_.C = BallMatrix(nu_, p_ + 1);
-    for (std::size_t j = 0; j < nu_; ++j) {
-      result_.H.at(j, j) = Ball(Fraction(problem_.weights[j]));
-      result_.F.at(j, n_ + j) = -result_.H.at(j, j);
-      addInputBound(j, 1, problem_.inputs[j].second);
-      addInputBound(j, -1, -problem_.inputs[j].first);
-    }
-    for (std::size_t i = 0; i < problem_.G.rows; ++i) {
-      ExpectedRow row = emptyRow(problem_.b.at(i, 0));
-      for (std::size_t j = 0; j < nu_; ++j) row.on_z[j] = Ball(problem_.G.at(i, j));
-      for (std::size_t j = 0; j < n_; ++j) row.on_theta[j] = Ball(problem_.M.at(i, j));
-      result_.rows.push_back(row);
-    }
-    return result_;
+ExpectedProgram filterProgram(const FilterProblem& problem) {
+  const std::size_t nu = problem.inputCount(), n = problem.size(), p = n + nu;
+  ExpectedProgram result;
+  const auto add_row = [&](const Fraction& bound) -> ExpectedRow& {
+    result.rows.push_back({std::vector<Ball>(nu), std::vector<Ball>(p), Ball(bound)});
+    return result.rows.back();
+  };
+  result.H = BallMatrix(nu, nu);
+  result.F = BallMatrix(nu, p + 1);
+  result.C = BallMatrix(nu, p + 1);
+  for (std::size_t j = 0; j < nu; ++j) {
+    result.H.at(j, j) = Ball(Fraction(problem.weights[j]));
+    result.F.at(j, n + j) = -result.H.at(j, j);
+    add_row(Fraction(problem.inputs[j].second)).on_z[j] = Ball(1);
+    add_row(Fraction(-problem.inputs[j].first)).on_z[j] = Ball(-1);
   }
-
- private:
-  ExpectedRow emptyRow(const Fraction& bound) const {
-    return {std::vector<Ball>(nu_), std::vector<Ball>(p_), Ball(bound)};
+  for (std::size_t i = 0; i < problem.G.rows; ++i) {
+    ExpectedRow& row = add_row(problem.b.at(i, 0));
+    for (std::size_t j = 0; j < nu; ++j) row.on_z[j] = Ball(problem.G.at(i, j));
+    for (std::size_t j = 0; j < n; ++j) row.on_theta[j] = Ball(problem.M.at(i, j));
   }
-
-  void addInputBound(std::size_t j, int sign, double bound) {
-    ExpectedRow row = emptyRow(Fraction(bound));
-    row.on_z[j] = Ball(sign);
-    result_.rows.push_back(row);
-  }
-
-  const FilterProblem& problem_;
-  const std::size_t nu_, n_, p_;
-  ExpectedProgram result_;
-};
+  return result;
+}
 
 }  // namespace
 
@@ -66,7 +50,7 @@ void matchFilter(const Matrices& program, const FilterProblem& problem) {
   std::vector<std::pair<double, double>> ranges = problem.states;
   if (problem.hasDelay()) ranges.insert(ranges.end(), problem.inputs.begin(), problem.inputs.end());
   ranges.insert(ranges.end(), problem.wishes.begin(), problem.wishes.end());
-  matchProgram(program, {}, ranges, FilterProgram(problem).run(), 0);
+  matchProgram(program, {}, ranges, filterProgram(problem), 0);
 }
 
 }  // namespace checker

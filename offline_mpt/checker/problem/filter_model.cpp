@@ -12,37 +12,18 @@ constexpr int kTerms = 120;
 // Greatest row sum of |A| times the period.
 constexpr int kMostExponent = 4;
 
-BallMatrix magnitudes(BallMatrix M) {
-  for (std::size_t i = 0; i < M.rows(); ++i)
-    for (std::size_t j = 0; j < M.columns(); ++j) M.at(i, j) = M.at(i, j).magnitude();
-  return M;
-}
+BallMatrix column(const Vector& values) { return BallMatrix(Matrix{values.size(), 1, values}); }
 
-BallMatrix column(const Vector& values) {
-  BallMatrix result(values.size(), 1);
-  for (std::size_t i = 0; i < values.size(); ++i) result.at(i, 0) = Ball(values[i]);
-  return result;
-}
-
-Fraction halfOf(const FilterProblem::Range& range) {
-  return (Fraction(range.second) - Fraction(range.first)) / 2;
-}
-
-Fraction middleOf(const FilterProblem::Range& range) {
-  return (Fraction(range.second) + Fraction(range.first)) / 2;
-}
-
-BallMatrix halves(const std::vector<FilterProblem::Range>& ranges) {
+/// Of each range, half of its upper end plus `sign` times its lower one.
+BallMatrix halfOfEnds(const std::vector<FilterProblem::Range>& ranges, int sign) {
   Vector values;
-  std::transform(ranges.begin(), ranges.end(), std::back_inserter(values), halfOf);
+  for (const auto& [lower, upper] : ranges)
+    values.emplace_back((Fraction(upper) + sign * Fraction(lower)) / 2);
   return column(values);
 }
 
-BallMatrix middles(const std::vector<FilterProblem::Range>& ranges) {
-  Vector values;
-  std::transform(ranges.begin(), ranges.end(), std::back_inserter(values), middleOf);
-  return column(values);
-}
+BallMatrix halves(const std::vector<FilterProblem::Range>& ranges) { return halfOfEnds(ranges, -1); }
+BallMatrix middles(const std::vector<FilterProblem::Range>& ranges) { return halfOfEnds(ranges, 1); }
 
 BallMatrix errorsOf(const std::vector<double>& errors) {
   return column(Vector(errors.begin(), errors.end()));
@@ -65,17 +46,13 @@ BallMatrix absoluteIntegral(const BallMatrix& A, const BallMatrix& B, const Frac
   BallMatrix power = B, result(B.rows(), B.columns());
   Fraction factor = t, rest = t * B.greatest();
   for (int k = 0; k < kTerms; ++k) {
-    for (std::size_t i = 0; i < B.rows(); ++i)
-      for (std::size_t j = 0; j < B.columns(); ++j)
-        result.at(i, j) += power.at(i, j).magnitude() * Ball(factor);
+    result = result + power.magnitudes().scaled(factor);
     power = A * power;
     factor *= t / (k + 2);
     rest *= exponent / (k + 1);
   }
   // The terms that are left out fall by half at least.
-  for (std::size_t i = 0; i < B.rows(); ++i)
-    for (std::size_t j = 0; j < B.columns(); ++j) result.at(i, j) = result.at(i, j).widened(2 * rest);
-  return result;
+  return result.widened(2 * rest);
 }
 
 /// How far the state bends out of the line from sample to sample.
@@ -89,15 +66,10 @@ class Excursion {
 
   /// h^2/8 times a bound of x'', and what a change of the input within the period adds.
   BallMatrix bound() const {
-    const BallMatrix growth = after(problem_, magnitudes(problem_.A), period_).A;
-    BallMatrix result = growth * secondDerivative();
-    for (std::size_t i = 0; i < result.rows(); ++i)
-      result.at(i, 0) = result.at(i, 0) * Ball(period_ * period_ / 8);
+    const BallMatrix growth = after(problem_, problem_.A.magnitudes(), period_).A;
+    const BallMatrix result = (growth * secondDerivative()).scaled(period_ * period_ / 8);
     if (!changes_) return result;
-    BallMatrix bend = magnitudes(problem_.B) * inputChange();
-    for (std::size_t i = 0; i < bend.rows(); ++i)
-      bend.at(i, 0) = bend.at(i, 0) * Ball(delay_ * (period_ - delay_) / period_);
-    return result + bend;
+    return result + (problem_.B.magnitudes() * inputChange()).scaled(delay_ * (period_ - delay_) / period_);
   }
 
  private:
@@ -107,9 +79,9 @@ class Excursion {
     BallMatrix middle = on_state * middles(problem_.states) + on_input * middles(problem_.inputs);
     if (!problem_.disturbances.empty())
       middle = middle + problem_.A * problem_.B_d * middles(problem_.disturbances);
-    BallMatrix result = magnitudes(middle) + magnitudes(on_state) * halves(problem_.states) +
-                        magnitudes(on_input) * halves(problem_.inputs);
-    return changes_ ? result + magnitudes(on_input) * inputChange() : result;
+    BallMatrix result = middle.magnitudes() + on_state.magnitudes() * halves(problem_.states) +
+                        on_input.magnitudes() * halves(problem_.inputs);
+    return changes_ ? result + on_input.magnitudes() * inputChange() : result;
   }
 
   BallMatrix inputChange() const {
@@ -126,7 +98,7 @@ class Excursion {
 BallMatrix uncertaintyOf(const FilterProblem& problem, const BallMatrix& A) {
   const Fraction period(problem.sampling_time);
   const BallMatrix measured = errorsOf(problem.state_errors);
-  BallMatrix W = measured + magnitudes(A) * measured +
+  BallMatrix W = measured + A.magnitudes() * measured +
                  absoluteIntegral(problem.A, problem.B, period) * errorsOf(problem.input_errors);
   if (!problem.disturbances.empty())
     W = W + absoluteIntegral(problem.A, problem.B_d, period) * halves(problem.disturbances);

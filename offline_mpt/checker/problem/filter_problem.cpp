@@ -63,19 +63,18 @@ void readSafeSet(const YAML::Node& set, FilterProblem& problem) {
 }
 
 FilterProblem readFilter(const YAML::Node& root) {
-  requireKeys(root, {"polyfly_problem", "name", "type", "description", "model", "sampling_time", "delay",
-                     "margin", "safe_set"});
-  require(countOf(root["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
-  require(root["type"].as<std::string>() == "safety_filter", "problem: is of no type safety_filter");
+  requireHead(root, "safety_filter",
+              {"polyfly_problem", "name", "type", "description", "model", "sampling_time", "delay", "margin",
+               "safe_set"});
   const YAML::Node model = root["model"];
   requireKeys(model, {"states", "inputs", "disturbances", "A", "B", "B_d"});
   FilterProblem problem;
   readFilterSignals(model, problem);
   const std::size_t nx = problem.stateCount(), nd = problem.disturbances.size();
-  problem.A = ballMatrixOf(model["A"], nx, nx);
-  problem.B = ballMatrixOf(model["B"], nx, problem.inputCount());
+  problem.A = BallMatrix(matrixOf(model["A"], nx, nx));
+  problem.B = BallMatrix(matrixOf(model["B"], nx, problem.inputCount()));
   require(model["B_d"] || nd == 0, "problem: B_d is missing");
-  problem.B_d = model["B_d"] ? ballMatrixOf(model["B_d"], nx, nd) : BallMatrix(nx, 0);
+  problem.B_d = model["B_d"] ? BallMatrix(matrixOf(model["B_d"], nx, nd)) : BallMatrix(nx, 0);
   problem.sampling_time = numberOf(root["sampling_time"]);
   problem.delay = orElse(root["delay"], 0.0);
   problem.margin = orElse(root["margin"], kMargin);
@@ -88,12 +87,6 @@ FilterProblem readFilter(const YAML::Node& root) {
 
 }  // namespace
 
-FilterProblem readFilterProblem(const std::string& text) {
-  try {
-    return readFilter(documentOf(text));
-  } catch (const YAML::Exception& error) {
-    throw Refused(std::string("problem: ") + error.what());
-  }
-}
+FilterProblem readFilterProblem(const std::string& text) { return withDocument(text, readFilter); }
 
 }  // namespace checker

@@ -1,8 +1,7 @@
 #include "problem/polyhedron.hpp"
 
 #include <algorithm>
-
-#include "dual_simplex.hpp"
+#include <type_traits>
 
 namespace checker {
 namespace {
@@ -22,14 +21,11 @@ std::size_t sizeOf(const std::vector<ExactHalfSpace>& rows) {
 }
 
 template <class Number>
-Number numberAs(const Fraction& value);
-template <>
-double numberAs(const Fraction& value) {
-  return value.get_d();
-}
-template <>
-Fraction numberAs(const Fraction& value) {
-  return value;
+Number numberAs(const Fraction& value) {
+  if constexpr (std::is_same_v<Number, double>)
+    return value.get_d();
+  else
+    return value;
 }
 
 template <class Number>
@@ -106,20 +102,12 @@ std::optional<Vector> weightsOf(const std::vector<Vector>& rows, const Vector& t
   return weights;
 }
 
-struct Polyhedron::Search {
-  DualSimplex<double> quick;
-  DualSimplex<Fraction> exact;
-};
-
 Polyhedron::Polyhedron(std::vector<ExactHalfSpace> rows)
-    : rows_(std::move(rows)), search_(new Search{simplexOf<double>(rows_), simplexOf<Fraction>(rows_)}) {}
-
-Polyhedron::Polyhedron(Polyhedron&& other) noexcept = default;
-Polyhedron::~Polyhedron() = default;
+    : rows_(std::move(rows)), quick_(simplexOf<double>(rows_)), exact_(simplexOf<Fraction>(rows_)) {}
 
 bool Polyhedron::solve(const Vector& a) const {
-  SimplexOutcome outcome = search_->exact.solve(a, {0, 0, false, kMostPivots});
-  if (outcome == SimplexOutcome::kStopped) outcome = search_->exact.solve(a, {0, 0, true, kMostBlandPivots});
+  SimplexOutcome outcome = exact_.solve(a, {0, 0, false, kMostPivots});
+  if (outcome == SimplexOutcome::kStopped) outcome = exact_.solve(a, {0, 0, true, kMostBlandPivots});
   return outcome == SimplexOutcome::kOptimal;
 }
 
@@ -139,31 +127,28 @@ std::optional<Fraction> Polyhedron::boundBy(const std::vector<std::size_t>& plac
 std::optional<Fraction> Polyhedron::quickly(const Vector& a) const {
   std::vector<double> function;
   for (const Fraction& value : a) function.push_back(value.get_d());
-  const SimplexOutcome outcome =
-      search_->quick.solve(function, {kQuickFeasible, kQuickPivot, false, kMostPivots});
-  return outcome == SimplexOutcome::kOptimal ? boundBy(placesOf(search_->quick), a) : std::nullopt;
+  const SimplexOutcome outcome = quick_.solve(function, {kQuickFeasible, kQuickPivot, false, kMostPivots});
+  return outcome == SimplexOutcome::kOptimal ? boundBy(placesOf(quick_), a) : std::nullopt;
 }
 
 std::optional<Fraction> Polyhedron::greatest(const Vector& a) const {
   const std::optional<Fraction> quick = quickly(a);
   if (quick) return quick;
-  return solve(a) ? boundBy(placesOf(search_->exact), a) : std::nullopt;
+  return solve(a) ? boundBy(placesOf(exact_), a) : std::nullopt;
 }
 
 bool Polyhedron::isWithin(const ExactHalfSpace& target) const {
   const std::optional<Fraction> quick = quickly(target.a);
   if (quick && *quick <= target.bound) return true;
-  const std::optional<Fraction> exact =
-      solve(target.a) ? boundBy(placesOf(search_->exact), target.a) : std::nullopt;
+  const std::optional<Fraction> exact = solve(target.a) ? boundBy(placesOf(exact_), target.a) : std::nullopt;
   return exact && *exact <= target.bound;
 }
 
 bool Polyhedron::isEmpty() const {
-  if (search_->exact.solve(rows_[0].a, {0, 0, true, kMostBlandPivots}) != SimplexOutcome::kInfeasible)
-    return false;
+  if (exact_.solve(rows_[0].a, {0, 0, true, kMostBlandPivots}) != SimplexOutcome::kInfeasible) return false;
   Vector sum(rows_[0].a.size());
   Fraction bound;
-  for (const auto& [place, weight] : search_->exact.multipliers(SimplexOutcome::kInfeasible)) {
+  for (const auto& [place, weight] : exact_.multipliers(SimplexOutcome::kInfeasible)) {
     require(weight >= 0, "a multiplier is negative");
     for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += weight * rows_[place].a[j];
     bound += weight * rows_[place].bound;
@@ -173,7 +158,7 @@ bool Polyhedron::isEmpty() const {
 
 bool Polyhedron::hasPoint() const {
   if (!solve(rows_[0].a)) return false;
-  Vector x = search_->exact.point();
+  Vector x = exact_.point();
   for (Fraction& value : x) value *= Fraction(kBox);
   return std::all_of(rows_.begin(), rows_.end(),
                      [&](const ExactHalfSpace& row) { return productOf(row.a, x) <= row.bound; });

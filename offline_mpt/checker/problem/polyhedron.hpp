@@ -1,9 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
+#include "../dual_simplex.hpp"
 #include "core/program.hpp"
 
 /// Half-spaces in fractions. An exact simplex method finds multipliers; what counts is that they are checked.
@@ -25,8 +25,6 @@ std::optional<Vector> weightsOf(const std::vector<Vector>& rows, const Vector& t
 class Polyhedron {
  public:
   explicit Polyhedron(std::vector<ExactHalfSpace> rows);
-  Polyhedron(Polyhedron&& other) noexcept;
-  ~Polyhedron();
 
   /// An upper bound of a . x in the set: that of multipliers >= 0 whose sum of rows is a. None where none are found. A
   /// simplex method in doubles finds the rows; where their exact multipliers are not such, an exact one does.
@@ -46,9 +44,8 @@ class Polyhedron {
   bool solve(const Vector& a) const;
 
   std::vector<ExactHalfSpace> rows_;
-  /// Both simplex methods.
-  struct Search;
-  std::unique_ptr<Search> search_;
+  mutable DualSimplex<double> quick_;
+  mutable DualSimplex<Fraction> exact_;
 };
 
 /// What the other entries of x must meet so that entry `place` can be chosen: each upper bound of it with each lower one.

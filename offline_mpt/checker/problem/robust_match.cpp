@@ -8,13 +8,6 @@
 namespace checker {
 namespace {
 
-BallMatrix balls(const Matrix& matrix) {
-  BallMatrix result(matrix.rows, matrix.columns);
-  for (std::size_t i = 0; i < matrix.rows; ++i)
-    for (std::size_t j = 0; j < matrix.columns; ++j) result.at(i, j) = Ball(matrix.at(i, j));
-  return result;
-}
-
 class ModelMatch {
  public:
   ModelMatch(const RobustCertificate& certificate, const RobustProblem& problem, const Fraction& tolerance)
@@ -87,9 +80,9 @@ class ModelMatch {
       return;
     }
     TrackingProblem continuous;
-    continuous.A = balls(problem_.A);
-    continuous.B = balls(problem_.B);
-    continuous.B_d = balls(problem_.G);
+    continuous.A = BallMatrix(problem_.A);
+    continuous.B = BallMatrix(problem_.B);
+    continuous.B_d = BallMatrix(problem_.G);
     continuous.sampling_time = problem_.sampling_time;
     const DiscreteSystem system = discretised(continuous);
     near("A", models_.at("A"), system.A);
@@ -99,9 +92,9 @@ class ModelMatch {
 
   void matchGain(const std::string& name, const RobustProblem::Gain& gain) {
     if (gain.value) return equal(name, *gain.value);
-    const DiscreteSystem system{balls(models_.at("A")), balls(models_.at("B")), {}};
-    const BallMatrix R = balls(*gain.R);
-    const BallMatrix P = terminalWeight(system, balls(*gain.Q), R).P;
+    const DiscreteSystem system{BallMatrix(models_.at("A")), BallMatrix(models_.at("B")), {}};
+    const BallMatrix R = BallMatrix(*gain.R);
+    const BallMatrix P = terminalWeight(system, BallMatrix(*gain.Q), R).P;
     const BallMatrix B_P = system.B.transposed() * P;
     const BallMatrix expected = solved(R + B_P * system.B, B_P * system.A);
     near(name, models_.at(name), BallMatrix(1, expected.columns()) - expected);

@@ -72,25 +72,6 @@ Fraction exactOf(const YAML::Node& node) {
 
 Matrix zeros(std::size_t rows, std::size_t columns) { return {rows, columns, Vector(rows * columns)}; }
 
-Matrix exactMatrix(const YAML::Node& node, std::size_t columns) {
-  require(node.IsSequence(), "problem: a matrix is no list");
-  Matrix matrix = zeros(node.size(), columns);
-  for (std::size_t i = 0; i < matrix.rows; ++i) {
-    require(node[i].IsSequence() && node[i].size() == columns, "problem: a matrix has another size");
-    for (std::size_t j = 0; j < columns; ++j) matrix.entries[i * columns + j] = exactOf(node[i][j]);
-  }
-  return matrix;
-}
-
-/// A matrix, or its diagonal.
-Matrix exactWeight(const YAML::Node& node, std::size_t size) {
-  require(node.IsSequence() && node.size() == size, "problem: a weight has another size");
-  if (node[0].IsSequence()) return exactMatrix(node, size);
-  Matrix matrix = zeros(size, size);
-  for (std::size_t i = 0; i < size; ++i) matrix.entries[i * size + i] = exactOf(node[i]);
-  return matrix;
-}
-
 RobustProblem::Range exactRange(const YAML::Node& node) {
   require(node.IsSequence() && node.size() == 2, "problem: a range has two numbers");
   RobustProblem::Range range(exactOf(node[0]), exactOf(node[1]));
@@ -103,11 +84,10 @@ class RobustReader {
   explicit RobustReader(const YAML::Node& root) : root_(root) {}
 
   RobustProblem read() {
-    requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
-                        "sampling_time", "horizon", "stack", "feedback_predictions", "feedback_gain",
-                        "tie_break", "floor", "invariance", "peak_in_map", "parameters"});
-    require(countOf(root_["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
-    require(root_["type"].as<std::string>() == "robust_mpc", "problem: is of no type robust_mpc");
+    requireHead(root_, "robust_mpc",
+                {"polyfly_problem", "name", "type", "description", "provenance", "model", "sampling_time",
+                 "horizon", "stack", "feedback_predictions", "feedback_gain", "tie_break", "floor",
+                 "invariance", "peak_in_map", "parameters"});
     problem_.sampling_time = Fraction(numberOf(root_["sampling_time"]));
     problem_.horizon = countOf(root_["horizon"]);
     require(problem_.sampling_time > 0 && problem_.horizon >= 2 && problem_.horizon <= kMostStages,
@@ -143,12 +123,10 @@ class RobustReader {
     problem_.is_discrete = choiceOf(model["time"], {"continuous", "discrete"}) == 1;
     if (model["bits"]) problem_.bits = static_cast<unsigned>(countOf(model["bits"]));
     require(problem_.bits >= 8 && problem_.bits <= kMostBits, "problem: bits is out of range");
-    problem_.A = exactMatrix(model["A"], nx);
-    problem_.B = exactMatrix(model["B"], 1);
-    problem_.G = exactMatrix(model["G"], problem_.disturbances.size());
-    problem_.C = exactMatrix(model["C"], nx);
-    require(problem_.A.rows == nx && problem_.B.rows == nx && problem_.G.rows == nx,
-            "problem: a matrix has another size");
+    problem_.A = matrixOf(model["A"], nx, nx, exactOf);
+    problem_.B = matrixOf(model["B"], nx, 1, exactOf);
+    problem_.G = matrixOf(model["G"], nx, problem_.disturbances.size(), exactOf);
+    problem_.C = matrixOf(model["C"], model["C"].size(), nx, exactOf);
   }
 
   void readChoices() {
@@ -174,11 +152,10 @@ class RobustReader {
     RobustProblem::Gain result;
     if (node["gain"]) {
       require(node.size() == 1, "problem: a gain has weights too");
-      result.value = exactMatrix(node["gain"], states_.size());
-      require(result.value->rows == 1, "problem: a gain has another size");
+      result.value = matrixOf(node["gain"], 1, states_.size(), exactOf);
     } else {
-      result.Q = exactWeight(node["Q"], states_.size());
-      result.R = exactWeight(node["R"], 1);
+      result.Q = weightOf(node["Q"], states_.size(), exactOf);
+      result.R = weightOf(node["R"], 1, exactOf);
     }
     return result;
   }
@@ -221,11 +198,7 @@ class RobustReader {
 }  // namespace
 
 RobustProblem readRobustProblem(const std::string& text) {
-  try {
-    return RobustReader(documentOf(text)).read();
-  } catch (const YAML::Exception& error) {
-    throw Refused(std::string("problem: ") + error.what());
-  }
+  return withDocument(text, [](const YAML::Node& root) { return RobustReader(root).read(); });
 }
 
 }  // namespace checker

@@ -15,19 +15,11 @@ Fraction rootAbove(const Fraction& square) {
   return square == 0 ? Fraction() : Fraction(std::sqrt(square.get_d() * kUp) * kUp);
 }
 
-BallMatrix ballsOf(const Matrix& matrix) {
-  BallMatrix result(matrix.rows, matrix.columns);
-  for (std::size_t i = 0; i < matrix.rows; ++i) {
-    for (std::size_t j = 0; j < matrix.columns; ++j) result.at(i, j) = Ball(matrix.at(i, j));
-  }
-  return result;
-}
-
 /// (M, v)
 BallMatrix besides(const Matrix& M, const Matrix& v) {
   BallMatrix result(M.rows, M.columns + 1);
-  result.setBlock(0, 0, ballsOf(M));
-  result.setBlock(0, M.columns, ballsOf(v));
+  result.setBlock(0, 0, BallMatrix(M));
+  result.setBlock(0, M.columns, BallMatrix(v));
   return result;
 }
 
@@ -36,7 +28,7 @@ BallMatrix besides(const Matrix& M, const Matrix& v) {
 RoundingEffect::RoundingEffect(const Matrices& program, const Ranges& parameters, const Ranges& inputs,
                                std::size_t moves)
     : program_(program), inputs_(inputs), moves_(moves), n_(program.at("H").rows), p_(parameters.size()) {
-  inverse_ = solved(ballsOf(program.at("H")), BallMatrix::identity(n_));
+  inverse_ = solved(BallMatrix(program.at("H")), BallMatrix::identity(n_));
   for (const auto& [lower, upper] : parameters)
     theta_.emplace_back(std::max(std::abs(lower), std::abs(upper)));
   theta_.emplace_back(1);
@@ -93,7 +85,7 @@ void RoundingEffect::addCost(const ExpectedProgram& expected) {
       cost_ += lengthOf(column) * greatest[j];
     }
   };
-  add(expected.H - ballsOf(program_.at("H")), z_);
+  add(expected.H - BallMatrix(program_.at("H")), z_);
   add(expected.F - besides(program_.at("F"), program_.at("f")), theta_);
 }
 

@@ -124,20 +124,13 @@ void match(const Map& map, const YAML::Node& root) {
 }  // namespace
 
 std::string problemType(const std::string& problem) {
-  try {
-    const YAML::Node root = documentOf(problem);
+  return withDocument(problem, [](const YAML::Node& root) {
     return root.IsMap() && root["type"] ? root["type"].as<std::string>() : "";
-  } catch (const YAML::Exception& error) {
-    throw Refused(std::string("problem: ") + error.what());
-  }
+  });
 }
 
 void matchSignals(const Map& map, const std::string& problem) {
-  try {
-    match(map, documentOf(problem));
-  } catch (const YAML::Exception& error) {
-    throw Refused(std::string("problem: ") + error.what());
-  }
+  withDocument(problem, [&](const YAML::Node& root) { match(map, root); });
 }
 
 }  // namespace checker

@@ -22,15 +22,6 @@ TrackingProblem::Range boundsOf(const YAML::Node& node) {
   return {lower, upper};
 }
 
-/// A matrix, or its diagonal.
-BallMatrix weightOf(const YAML::Node& node, std::size_t size) {
-  require(node.IsSequence() && node.size() == size, "problem: a weight has another size");
-  if (node[0].IsSequence()) return ballMatrixOf(node, size, size);
-  BallMatrix result(size, size);
-  for (std::size_t i = 0; i < size; ++i) result.at(i, i) = ballOf(node[i]);
-  return result;
-}
-
 class Reader {
  public:
   explicit Reader(const YAML::Node& root) : root_(root) {}
@@ -38,11 +29,10 @@ class Reader {
   TrackingProblem read() {
     require(root_.IsMap(), "problem: no map of keys");
     require(!root_["H"], "problem: is a program in JSON, whose numbers check_certificate --problem compares");
-    requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
-                        "sampling_time", "horizon", "moves", "control_horizon", "weights", "terminal_set",
-                        "constraints", "parameters"});
-    require(countOf(root_["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version");
-    require(root_["type"].as<std::string>() == "tracking_mpc", "problem: is of no type tracking_mpc");
+    requireHead(
+        root_, "tracking_mpc",
+        {"polyfly_problem", "name", "type", "description", "provenance", "model", "sampling_time", "horizon",
+         "moves", "control_horizon", "weights", "terminal_set", "constraints", "parameters"});
     readSignals(root_["model"]);
     readModel(root_["model"]);
     problem_.sampling_time = numberOf(root_["sampling_time"]);
@@ -90,10 +80,11 @@ class Reader {
   void readModel(const YAML::Node& model) {
     const std::size_t nx = problem_.states.size(), nu = problem_.inputs.size();
     problem_.is_discrete = choiceOf(model["time"], {"continuous", "discrete"}) == 1;
-    problem_.A = ballMatrixOf(model["A"], nx, nx);
-    problem_.B = ballMatrixOf(model["B"], nx, nu);
-    problem_.C = ballMatrixOf(model["C"], nu, nx);
-    problem_.B_d = model["B_d"] ? ballMatrixOf(model["B_d"], nx, disturbance_count_) : BallMatrix(nx, 0);
+    problem_.A = BallMatrix(matrixOf(model["A"], nx, nx));
+    problem_.B = BallMatrix(matrixOf(model["B"], nx, nu));
+    problem_.C = BallMatrix(matrixOf(model["C"], nu, nx));
+    problem_.B_d =
+        model["B_d"] ? BallMatrix(matrixOf(model["B_d"], nx, disturbance_count_)) : BallMatrix(nx, 0);
     if (model["outputs"]) return;
     // An output without a name of its own has that of the state which it is.
     for (const auto& state : model["states"]) {
@@ -134,12 +125,12 @@ class Reader {
   void readWeights(const YAML::Node& weights) {
     requireKeys(weights, {"Q", "R", "R_delta", "terminal"});
     const std::size_t nx = problem_.states.size(), nu = problem_.inputs.size();
-    problem_.Q = weightOf(weights["Q"], nx);
-    problem_.R = weightOf(weights["R"], nu);
-    problem_.R_delta = weights["R_delta"] ? weightOf(weights["R_delta"], nu) : BallMatrix(nu, nu);
+    problem_.Q = BallMatrix(weightOf(weights["Q"], nx));
+    problem_.R = BallMatrix(weightOf(weights["R"], nu));
+    problem_.R_delta = weights["R_delta"] ? BallMatrix(weightOf(weights["R_delta"], nu)) : BallMatrix(nu, nu);
     const YAML::Node terminal = weights["terminal"];
     if (terminal && terminal.IsSequence())
-      problem_.P = weightOf(terminal, nx);
+      problem_.P = BallMatrix(weightOf(terminal, nx));
     else
       problem_.ends_at_reference = choiceOf(terminal, {"riccati", "equality"}) == 1;
   }
@@ -147,10 +138,8 @@ class Reader {
   void readTerminalSet(const YAML::Node& node) {
     requireKeys(node, {"T", "t"});
     const std::size_t rows = node["T"].size();
-    problem_.T = ballMatrixOf(node["T"], rows, problem_.states.size());
-    require(node["t"].IsSequence() && node["t"].size() == rows, "problem: terminal_set has another size");
-    problem_.t = BallMatrix(rows, 1);
-    for (std::size_t i = 0; i < rows; ++i) problem_.t.at(i, 0) = ballOf(node["t"][i]);
+    problem_.T = BallMatrix(matrixOf(node["T"], rows, problem_.states.size()));
+    problem_.t = BallMatrix(columnOf(node["t"], rows));
   }
 
   void readConstraint(const YAML::Node& node) {
@@ -224,11 +213,7 @@ std::size_t TrackingProblem::freeCount() const {
 }
 
 TrackingProblem readTrackingProblem(const std::string& text) {
-  try {
-    return Reader(documentOf(text)).read();
-  } catch (const YAML::Exception& error) {
-    throw Refused(std::string("problem: ") + error.what());
-  }
+  return withDocument(text, [](const YAML::Node& root) { return Reader(root).read(); });
 }
 
 }  // namespace checker
