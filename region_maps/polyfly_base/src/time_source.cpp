@@ -8,10 +8,8 @@ void TimeSource::advance(double ros, double wall) noexcept {
   if (ros != ros_) {
     // The silence so far stays where ROS time begins, begins anew or moves again: what is sent in it goes on.
     if (by_wall_ || ros_ == 0.0 || ros < ros_) since_ = ros - silence_;
-    since_ = std::min(since_, ros + kStandstill);
+    if (ros < ros_) least_lead_ = kNoLead;
     silence_ = std::max(ros - since_, 0.0);
-    // A clock that was late catches up faster than wall time: that is no silence.
-    if (simulated_) silence_ = std::min(silence_, wall - last_wall_);
     ros_ = ros;
     heard_ = false;
     by_wall_ = false;
@@ -41,7 +39,9 @@ void TimeSource::onOdometry(double ros, double wall, double stamp) noexcept {
   last_stamp_ = stamp;
   last_wall_ = wall;
   // The clock that came with this odometry may be on its way still.
-  since_ = simulated_ ? std::clamp(stamp, ros, ros + kStandstill) : ros;
+  const double lead = stamp - ros;
+  least_lead_ = follows ? std::min(least_lead_, lead) : lead;
+  since_ = simulated_ ? ros + std::max(lead - std::max(least_lead_, 0.0), 0.0) : ros;
   const bool leads = simulated_ && (ros == 0.0 || follows);
   arrival_ = leads ? std::max(ros, stamp) : since_;
   silence_ = 0.0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 namespace polyfly {
 
 /// How long odometry has been silent, by the clock that can be trusted. ROS time decides, unless it is
@@ -8,8 +10,8 @@ namespace polyfly {
 /// - no clock ever came;
 /// - the odometry's stamps advanced by kStandstill meanwhile. A step of more than kGreatestStep is no advance.
 ///
-/// A clock that stands still otherwise is a paused simulation: no time passes. Simulated time that runs faster than
-/// wall time may be catching up: silence is never longer than by wall time.
+/// A clock that stands still otherwise is a paused simulation: no time passes. A simulated clock is late where the
+/// odometry's stamps lead it by more than they ever did: catching up is no silence.
 ///
 /// Reads no clock; ROS time and a steady wall time are arguments [s].
 class TimeSource {
@@ -38,11 +40,15 @@ class TimeSource {
   double ahead() const noexcept { return ahead_; }
 
  private:
+  static constexpr double kNoLead = std::numeric_limits<double>::infinity();
+
   bool simulated_;
   // ROS time when it last moved. 0: no clock came yet.
   double ros_ = 0.0;
   // ROS time from which silence counts.
   double since_ = 0.0;
+  // Of the stamps over ROS time, since one of both jumped.
+  double least_lead_ = kNoLead;
   // Whether odometry came since ROS time last moved. Only then the next two members are valid.
   bool heard_ = false;
   // Wall time of the first odometry since ROS time last moved.
