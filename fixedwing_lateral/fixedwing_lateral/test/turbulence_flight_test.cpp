@@ -23,7 +23,7 @@ constexpr double kWindShare = 0.5;
 constexpr double kGustScale = 530.0;  // [m], that of MIL-F-8785C above 600 m
 constexpr double kDuration = 500.0;   // [s]
 constexpr double kJoined = 100.0;     // [s] after which the distance counts
-constexpr unsigned kSeeds = 2;        // the README's table is of ten
+constexpr unsigned kSeeds = 2;        // the README has the means of ten
 constexpr double kMostOfL1 = 1.2;
 
 struct Air {

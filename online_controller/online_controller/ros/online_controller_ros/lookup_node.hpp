@@ -21,7 +21,7 @@
 namespace polyfly_ros {
 
 /// Any region map on topics: parameters in, inputs and `lookup_status` out. Topics and parameters are listed in
-/// online_controller/README.md. Each message with the first measured parameter is answered at once, and silence once in each
+/// online_controller/LOOKUP.md. Each message with the first measured parameter is answered at once, and silence once in each
 /// period. All callbacks must be served by one thread; another one opens the files that are swapped in.
 class LookupNode {
  public:
