@@ -60,13 +60,6 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   status.add("iterations", snapshot_->report.iterations);
   status.add("KKT residual", snapshot_->kkt_residual);
   status.add("age of odometry [ms]", 1e3 * snapshot_->odometry_age);
-  const polyfly::TiltModel& loops = snapshot_->report.loops;
-  status.add("roll loop, gain", loops.roll_gain);
-  status.add("roll loop, lag [s]", loops.roll_time);
-  status.add("pitch loop, gain", loops.pitch_gain);
-  status.add("pitch loop, lag [s]", loops.pitch_time);
-  status.add("drag beyond the model along x [1/s]", snapshot_->report.found_drag[0]);
-  status.add("drag beyond the model along y [1/s]", snapshot_->report.found_drag[1]);
   status.add("commands swing", snapshot_->report.swings);
   status.add("constant force not removed [N]", snapshot_->report.force_left.norm());
 }

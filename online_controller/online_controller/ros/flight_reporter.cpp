@@ -1,6 +1,7 @@
 #include "online_controller_ros/flight_reporter.hpp"
 
 #include <online_controller/ControllerStatus.h>
+#include <online_controller/FoundModel.h>
 #include <ros/console.h>
 
 #include <algorithm>
@@ -37,10 +38,12 @@ FlightReporter::FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfl
       flight_(flight),
       record_(record),
       control_period_(control_period),
-      publisher_(handle.advertise<online_controller::ControllerStatus>("controller_status", 100)) {}
+      publisher_(handle.advertise<online_controller::ControllerStatus>("controller_status", 100)),
+      model_publisher_(handle.advertise<online_controller::FoundModel>("found_model", 100)) {}
 
 void FlightReporter::report(const Answered& answered) {
   if (publisher_.getNumSubscribers() > 0) publishStatus(answered);
+  if (model_publisher_.getNumSubscribers() > 0) publishModel(answered);
   leaveSnapshot(answered);
   logChange(answered);
   if (!answered.by_odometry) return;
@@ -76,6 +79,18 @@ void FlightReporter::publishStatus(const Answered& answered) {
   fillStatus(answered.report, laws_.laws().parameters(answered.law), *status);
   status->text += isIdle(answered) ? kNothingSent : "";
   publisher_.publish(status);
+}
+
+void FlightReporter::publishModel(const Answered& answered) {
+  const auto message = boost::make_shared<online_controller::FoundModel>();
+  message->header = answered.header;
+  const polyfly::TiltModel& loops = answered.report.loops;
+  message->roll_gain = loops.roll_gain;
+  message->roll_time = loops.roll_time;
+  message->pitch_gain = loops.pitch_gain;
+  message->pitch_time = loops.pitch_time;
+  std::copy(answered.report.found_drag.begin(), answered.report.found_drag.end(), message->drag.begin());
+  model_publisher_.publish(message);
 }
 
 void FlightReporter::leaveSnapshot(const Answered& answered) {

@@ -12,7 +12,7 @@
 
 namespace polyfly_ros {
 
-/// Reports each command after it was sent: `controller_status`, the log, the snapshot for the other thread, the counted
+/// Reports each command after it was sent: `controller_status`, `found_model`, the log, the snapshot for the other thread, the counted
 /// times. Used by the control thread only, like all that it reads.
 class FlightReporter {
  public:
@@ -28,6 +28,7 @@ class FlightReporter {
 
  private:
   void publishStatus(const Answered& answered);
+  void publishModel(const Answered& answered);
   void leaveSnapshot(const Answered& answered);
   std::int64_t lookupTime(const Answered& answered);
   void logChange(const Answered& answered);
@@ -37,6 +38,7 @@ class FlightReporter {
   FlightRecord& record_;
   double control_period_;  // [s]
   ros::Publisher publisher_;
+  ros::Publisher model_publisher_;
 
   // Preparation time of the sample before [ns].
   std::int64_t last_prepare_ = 0;

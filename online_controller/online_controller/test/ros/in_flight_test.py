@@ -15,7 +15,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 from mavros_msgs.msg import AttitudeTarget
-from online_controller.msg import ControllerStatus
+from online_controller.msg import ControllerStatus, FoundModel
 from online_controller.srv import SelectLaw, SwapMaps
 from roslib.packages import find_node
 from tf2_msgs.msg import TFMessage
@@ -237,6 +237,7 @@ class InFlightTest(MapsFixture):
         controller = self.fly({"law": "nonlinear"})
         markers = {name: controller.collector(name, Marker)
                    for name in ("reference_trajectory", "predicted_state")}
+        models = controller.collector("found_model", FoundModel)
         plans = Collector(controller.namespace + "/full_predicted_state", MultiDOFJointTrajectory)
         frames = Collector("/tf", TFMessage)
         diagnostics = Collector("/diagnostics", DiagnosticArray)
@@ -262,6 +263,13 @@ class InFlightTest(MapsFixture):
         self.assertAlmostEqual(plan.points[20].transforms[0].translation.x, 0.2, delta=0.1)
         self.assertAlmostEqual(plan.points[20].transforms[0].rotation.w, 1.0)
         _, status = controller.exchange()  # with times of the one before
+        # What is estimated of the model's errors; nothing of it while the reference rests.
+        model = models.wait(lambda m: m.header == status.header)
+        self.assertAlmostEqual(model.roll_gain, 0.9, delta=0.01)
+        self.assertAlmostEqual(model.roll_time, 0.25, delta=0.01)
+        self.assertAlmostEqual(model.pitch_gain, 0.9, delta=0.01)
+        self.assertAlmostEqual(model.pitch_time, 0.25, delta=0.01)
+        self.assertEqual(model.drag, (0.0, 0.0))
         self.assertEqual(status.law, "nonlinear")
         self.assertGreater(status.iterations, 0)
         self.assertLess(status.kkt_residual, 1e-6)
@@ -276,12 +284,6 @@ class InFlightTest(MapsFixture):
         self.assertGreater(int(values["steps"]), 0)
         self.assertEqual(values["commands swing"], "False")
         self.assertEqual(float(values["constant force not removed [N]"]), 0.0)
-        # What is estimated of the model's errors; nothing of it while the reference rests.
-        for loop in ("roll", "pitch"):
-            self.assertAlmostEqual(float(values[loop + " loop, gain"]), 0.9, delta=0.01)
-            self.assertAlmostEqual(float(values[loop + " loop, lag [s]"]), 0.25, delta=0.01)
-        for axis in ("x", "y"):
-            self.assertEqual(float(values["drag beyond the model along %s [1/s]" % axis]), 0.0)
         self.assertGreaterEqual(float(values["odometry to command, greatest [us]"]),
                                 float(values["control law, greatest [us]"]))
 
