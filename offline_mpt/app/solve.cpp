@@ -47,8 +47,8 @@ checkpoint of an unfinished run only with --force.
 The search tree answers which region holds a parameter. --tree fast builds it in about the time of the
 exploration. --tree small makes the shortest worst case, and the largest file where parameters are many.
 
-With mpirun, the processes explore and build the search tree together (--threads each), and process 0
-writes the same map. If a process is lost, the run ends with a checkpoint.
+With mpirun, the processes explore together (--threads each). Process 0 builds the search tree and writes the
+same map. If a process is lost, the run ends with a checkpoint.
 
 Examples:
   offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json

@@ -18,7 +18,7 @@ bool isCompletedText(const std::string& whole, const std::string& file);
 /// Is told how far a check is.
 using Progress = std::function<void(const char* kind, std::size_t done, std::size_t total)>;
 
-/// Shows what "Safety filters" in offline_mpt/CERTIFICATE.md says of the safe set. Throws Refused.
+/// Shows what "Safety filters" in offline_mpt/checker/README.md says of the set. Throws Refused.
 void confirmSafeSet(const FilterProblem& problem, const Progress& progress = {});
 
 /// Shows what it says of the answers in the safe set, of a map whose look-ups are proven. Throws Refused.

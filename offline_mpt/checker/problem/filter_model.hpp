@@ -9,7 +9,7 @@ namespace checker {
 ///     xi+ = A xi + B u + c + w,   |w_i| <= W_i
 ///
 /// While xi is in [lower, upper] at the samples, and in one convex set with all its successors, the state is in its ranges
-/// at all times (offline_mpt/CERTIFICATE.md, "Safety filters").
+/// at all times (offline_mpt/checker/README.md, "Safety filters").
 struct FilterModel {
   BallMatrix A, B, c;
   Vector W, lower, upper;

@@ -4,7 +4,7 @@
 
 namespace polyfly {
 
-/// One tree, as buildTree says. All processes of a group call it alike; it returns the tree in each of them.
+/// One tree, as buildTree says.
 SearchTree growTree(const TreeRegions& regions, const TreeOptions& options);
 
 }  // namespace polyfly
