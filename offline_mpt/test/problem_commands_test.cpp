@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "reference_data.hpp"
+#include "grid_map.hpp"
+#include "project_root.hpp"
+#include "region_maps/write_map.hpp"
 #include "run_program.hpp"
 
 namespace polyfly {
@@ -170,6 +172,23 @@ parameters:
   EXPECT_EQ(again.exit_code, 2);
   expectPart(again.err, "terminal_set: is given already");
   EXPECT_EQ(tool({"terminal_set", path("speed.json"), "-o", path("x.yaml")}).exit_code, 2);
+}
+
+TEST_F(ProblemCommands, DiffEndsWithTheAnswer) {
+  writeMap(gridMap(4, 2, {{0, 4, 0, 2, 'a'}}), path("first.map"));
+  writeMap(gridMap(4, 2, {{0, 4, 0, 2, 'b'}}), path("second.map"));
+  const auto diff = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"diff", path("first.map")});
+    return tool(words);
+  };
+  EXPECT_EQ(diff({path("first.map")}).exit_code, 0);
+  EXPECT_EQ(diff({path("second.map"), "--tolerance", "0.1"}).exit_code, 0);
+  const Outcome different = diff({path("second.map"), "--json", path("report.json")});
+  EXPECT_EQ(different.exit_code, 1) << different.err;
+  expectPart(different.out, "different answers");
+  expectPart(readBytes(path("report.json")), "\"different_pairs\": 1");
+  EXPECT_EQ(diff({path("second.map"), "--json", path("first.map")}).exit_code, 2);
+  EXPECT_EQ(diff({path("none.map")}).exit_code, 2);
 }
 
 }  // namespace

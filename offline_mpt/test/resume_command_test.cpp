@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "offline_mpt/explore.hpp"
+#include "project_root.hpp"
 #include "run_program.hpp"
 #include "same_regions.hpp"
 #include "scratch_folder.hpp"
@@ -276,7 +277,7 @@ TEST_F(ResumeCommand, MpirunSaysOnceWhatIsWrong) {
 // Process 0 runs one command, process 1 another, as where a file differs between two machines.
 TEST_F(ResumeCommand, ProcessesOfMpirunThatReadOtherFilesAllEnd) {
   if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
-  const std::string robust = std::string(PROBLEMS) + "/reference/robust_lateral.yaml";
+  const std::string robust = problemFile("reference/robust_lateral.yaml");
   const auto solveFile = [this](const std::string& problem) {
     return std::vector<std::string>{OFFLINE_MPT_PROGRAM, "solve", problem, "-o", path("x.map"), "--quiet"};
   };

@@ -11,6 +11,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "project_root.hpp"
 #include "random.hpp"
 #include "soft_problems.hpp"
 #include "verify/strict_qp.hpp"
@@ -82,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, MadeProblems,
 // Planes of one facet that differed by 2e-10 between its two regions left a wedge, at a side of the box, that no leaf
 // answered within the tolerance.
 TEST(SoftSpeedLimit, AWedgeBetweenTwoPlanesOfOneFacetIsAnswered) {
-  std::string text = readText(std::string(PROBLEMS) + "/lateral_speed_limit.yaml");
+  std::string text = readText(problemFile("lateral_speed_limit.yaml"));
   const std::string weights = "linear: 400, quadratic: 40";
   const std::size_t at = text.find(weights);
   ASSERT_NE(at, std::string::npos);
