@@ -28,7 +28,7 @@ Partition exploreWith(const ParametricProgram& program, ExploreOptions options,
 
 class ProcessGroupTest : public ::testing::Test {
  protected:
-  ProcessGroupTest() { options_.checkpoint = folder_.path("checkpoint"); }
+  ProcessGroupTest() { options_.checkpoint = folder_.file("checkpoint"); }
 
   Part assistant(int threads = 1) const {
     return [this, threads](Member& member) {
