@@ -12,11 +12,9 @@
 #include "error_of.hpp"
 #include "exact_programs.hpp"
 #include "grid_map.hpp"
-#include "map_in_memory.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "offline_mpt/reduce.hpp"
 #include "random_program.hpp"
+#include "solved_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -167,8 +165,6 @@ TEST(Diff, AReducedMapIsTheSame) {
   const MapInMemory changed(content);
   EXPECT_NEAR(diffMaps(original.map(), changed.map()).greatest.at(0).size, 0.5, kRounding);
 }
-
-MapContent solved(const ParametricProgram& program) { return encode(program, explore(program)); }
 
 // Samples never exceed the greatest difference, and it is reached.
 TEST(Diff, BoundsTheDifferenceOfSolvedPrograms) {
