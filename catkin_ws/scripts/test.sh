@@ -54,8 +54,7 @@ testCommand() {
 # Tests that take long because they repeat: flights, fits of flights, random programs, whole commands, ./run itself, pages in a
 # browser. Shorter tests run the same code under the address sanitizer.
 repeating_tests='_flights?_test|flight_phases|motions?_test|soak|dead_time|laws_on_plants|odometry_outliers|drag|fit_loop'
-repeating_tests+='|model_support|repeated_rows|norm_cost|soft_partition|robust_random|reference_problems'
-repeating_tests+='|(export|filter|resume)_command|run_test|explorer_browser'
+repeating_tests+='|model_support|repeated_rows|norm_cost|repeating|(filter|resume)_command|run_test|explorer_browser'
 
 sanitizeCommand() {
   startCommand 4 run

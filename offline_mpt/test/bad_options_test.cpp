@@ -1,46 +1,34 @@
-// Every option that takes a number, as `--help` lists them, refuses what is no such number.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <sstream>
-#include <string>
-#include <vector>
-
+// What is no problem, map or option of `offline_mpt` and `check_certificate` is refused in one line.
 #include "run_program.hpp"
 
 namespace polyfly {
 namespace {
 
-using Words = std::vector<std::string>;
-
-class BadOptions : public testing::Test {
+class BadOptions : public ToolTest {
  protected:
-  Outcome run(const std::string& program, const Words& words) const {
-    Words all{program};
-    all.insert(all.end(), words.begin(), words.end());
-    return waitForProgram(startProgram(all, folder_.path(".")), folder_.path("."));
+  void expectCheckerRefuses(Words words, const std::string& part) const {
+    words.insert(words.begin(), CHECK_CERTIFICATE);
+    expectRefused(words, {"check_certificate: " + part});
   }
 
-  /// One line on standard error that begins so, exit code 2, and nothing else.
-  void expectLine(const std::string& program, const Words& words, const std::string& begin) const {
-    const Outcome result = run(program, words);
-    EXPECT_EQ(result.exit_code, 2) << begin;
-    EXPECT_EQ(result.out, "");
-    EXPECT_EQ(result.err.rfind(begin, 0), 0u) << begin << " in: " << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_LT(result.err.size(), 500u) << result.err;
+  /// The toy problem with these fields in the place of its own is refused.
+  void expectProblemRefused(const std::string& fields, const Words& parts) const {
+    nlohmann::json problem = nlohmann::json::parse(kToy);
+    problem.update(nlohmann::json::parse(fields));
+    write("toy.json", problem.dump());
+    expectRefused("solve toy.json -o none.map", parts);
   }
-
-  ScratchFolder folder_;
 };
 
+// As `--help` lists them.
 TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
   int seen = 0;
   for (const Words& command : std::vector<Words>{
            {"solve"}, {"verify"}, {"reduce"}, {"diff"}, {"analyze"}, {"bounds"}, {"set", "invariant"}}) {
-    Words help = command;
-    help.emplace_back("--help");
-    std::istringstream lines(run(OFFLINE_MPT_PROGRAM, help).out);
+    Words words = command;
+    words.insert(words.begin(), OFFLINE_MPT_PROGRAM);
+    words.emplace_back("--help");
+    std::istringstream lines(wait(start(words)).out);
     for (std::string line; std::getline(lines, line);) {
       std::string names, type;
       std::istringstream(line) >> names >> type;
@@ -52,11 +40,10 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
       Words values{"nan", "-1", "1e999", "x", ""};
       if (!is_real) values.insert(values.end(), {"1.5", "999999999999999999999999"});
       for (const std::string& value : values) {
-        Words words = command;
+        words.resize(1 + command.size());
         words.insert(words.end(), {option, value});
-        SCOPED_TRACE(command.back() + " " + option + " " + value);
-        expectLine(OFFLINE_MPT_PROGRAM, words,
-                   "offline_mpt: " + option + ": " + (value.empty() ? "its value is empty" : value));
+        expectRefused(words,
+                      {"offline_mpt: " + option + ": " + (value.empty() ? "its value is empty" : value)});
       }
     }
   }
@@ -64,32 +51,109 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
 }
 
 TEST_F(BadOptions, UnknownWordsNameTheKnownOnes) {
-  expectLine(OFFLINE_MPT_PROGRAM, {"reduce", "a.map", "-o", "b.map", "--tree", "foo"},
-             "offline_mpt: --tree: foo is not one of auto, small");
+  expectRefused("reduce a.map -o b.map --tree foo", {"offline_mpt: --tree: foo is not one of auto, small"});
 }
 
 TEST_F(BadOptions, EndlessFilesEndInALine) {
-  expectLine(OFFLINE_MPT_PROGRAM, {"info", "/dev/zero"}, "offline_mpt: /dev/zero: ");
-  expectLine(CHECK_CERTIFICATE, {"/dev/zero", "--map", "/dev/zero"}, "check_certificate: /dev/zero: ");
+  expectRefused("info /dev/zero", {"offline_mpt: /dev/zero: "});
+  expectCheckerRefuses({"/dev/zero", "--map", "/dev/zero"}, "/dev/zero: ");
 }
 
 TEST_F(BadOptions, TheCheckerTellsWhatIsWrongWithItsCommandLine) {
-  expectLine(CHECK_CERTIFICATE, {}, "check_certificate: the file to check is missing");
-  expectLine(CHECK_CERTIFICATE, {"a.cert"}, "check_certificate: --map is missing");
-  expectLine(CHECK_CERTIFICATE, {"a.cert", "--map"}, "check_certificate: --map: its value is missing");
-  expectLine(CHECK_CERTIFICATE, {"a.cert", "--map", ""}, "check_certificate: --map: its value is missing");
-  expectLine(CHECK_CERTIFICATE, {"a.cert", "--wings"}, "check_certificate: '--wings' is no option");
-  expectLine(CHECK_CERTIFICATE, {"a.cert", "--map", "\x1b[31m"}, "check_certificate: ?[31m: no such file");
+  expectCheckerRefuses({}, "the file to check is missing");
+  expectCheckerRefuses({"a.cert"}, "--map is missing");
+  expectCheckerRefuses({"a.cert", "--map"}, "--map: its value is missing");
+  expectCheckerRefuses({"a.cert", "--map", ""}, "--map: its value is missing");
+  expectCheckerRefuses({"a.cert", "--wings"}, "'--wings' is no option");
+  expectCheckerRefuses({"a.cert", "--map", "\x1b[31m"}, "?[31m: no such file");
 }
 
 TEST_F(BadOptions, NoEscapeSequenceReachesTheTerminal) {
-  expectLine(OFFLINE_MPT_PROGRAM, {"info", "\x1b[2J.map"}, "offline_mpt: '\\x1b[2J.map': control characters");
-  writeBytes(folder_.path("a.json"),
-             R"({"H": [[1]], "f": [0], "F": [[1]], "A": [], "b": [], "B": [], "lb": [0], "ub": [1],
-                 "\u001b[31mred": 1})");
-  const Words words{"solve", folder_.path("a.json"), "-o", folder_.path("a.map")};
-  expectLine(OFFLINE_MPT_PROGRAM, words,
-             "offline_mpt: " + folder_.path("a.json") + ": \\x1b[31mred: unknown key");
+  expectRefused("info \x1b[2J.map", {"offline_mpt: '\\x1b[2J.map': control characters"});
+  expectProblemRefused(R"({"\u001b[31mred": 1})", {"offline_mpt: toy.json: \\x1b[31mred: unknown key"});
+}
+
+TEST_F(BadOptions, OptionsThatAreMissingUnknownOrWrong) {
+  write("toy.json", kToy);
+  output("solve toy.json -o toy.map");
+  expectRefused("solve toy.json", {"--output"});
+  expectRefused("solve toy.json -o x.map --threads 0", {"--threads"});
+  expectRefused("solve toy.json -o x.map --wings 2", {"--wings"});
+  expectRefused("solve toy.json -o no/such/folder.map", {"no/such"});
+  expectRefused("solve toy.json -o .", {"is a folder"});
+  expectRefused("land", {"land"});
+  expectRefused("", {"subcommand"});
+  expectRefused("verify toy.map --samples 0", {"--samples"});
+  expectRefused("reduce toy.map -o x.map --time-limit -1", {"--time-limit"});
+  expectRefused("plot toy.map --slice theta -o x.svg", {"--slice", "'theta'"});
+  expectRefused("plot toy.map --slice no,such -o x.svg", {"no"});
+  expectRefused("plot toy.map --slice a,b --at c -o x.svg", {"--at", "'c'"});
+}
+
+TEST_F(BadOptions, WhatWasRemovedSaysWhatToUse) {
+  write("toy.json", kToy);
+  output("solve toy.json -o toy.map");
+  expectRefused("count toy.json --map-limit 24G", {"count: was removed; ", "--region-limit"});
+  expectRefused("reduce toy.map -o x.map --merge greedy", {"--merge: was removed; ", "joined in pairs"});
+  expectRefused("reduce toy.map --separate -o x.map", {"--separate: was removed; ", "small"});
+}
+
+TEST_F(BadOptions, FilesThatHoldNoProblem) {
+  write("problem.txt", "x");
+  write("malformed.yaml", "name: x\nstates: [a, b\nhorizon: }\n");
+  write("malformed.json", "{\"H\": [[1.0]");
+  for (const std::string name :
+       {"missing.yaml", "missing.json", "problem.txt", "malformed.yaml", "malformed.json"})
+    expectRefused("solve " + name + " -o none.map", {name + ":"});
+}
+
+TEST_F(BadOptions, ProblemsThatCannotBeSolved) {
+  expectProblemRefused(R"({"F": [[-1, -1, 0]]})", {"toy.json", "F"});
+  expectProblemRefused(R"({"ub": [2, null]})", {"toy.json", "ub"});
+  expectProblemRefused(R"({"b": [-1, -1]})", {"toy.json", "infeasible"});
+  expectProblemRefused(R"({"H": [[-1]]})", {"toy.json: ", "H: must be"});
+  expectProblemRefused(
+      R"({"H": [[1, 1], [1, 1]], "f": [0, 0], "F": [[1, 0], [0, 1]], "A": [[1, 0], [-1, 0]]})",
+      {"toy.json: ", "H: is singular, and not zero"});
+  expectProblemRefused(R"({"A": [[1], [-1], [1], [1]], "b": [1, 1, 0, 1e-9], "eq_ids": [2, 3],
+      "B": [[0, 0], [0, 0], [0, 0], [0, 0]]})",
+                       {"toy.json: eq_ids: row 3 depends on other equalities"});
+  expectProblemRefused(R"({"H": [[0]], "f": [-3], "F": [[1, 0]], "A": [[-1]], "b": [1], "B": [[0, 0]]})",
+                       {"toy.json", "the cost is unbounded below at theta = "});
+}
+
+TEST_F(BadOptions, DamagedMaps) {
+  write("toy.json", kToy);
+  output("solve toy.json -o toy.map");
+  const std::string bytes = text("toy.map");
+  Words damaged{bytes.substr(0, bytes.size() - 100), bytes.substr(0, 20), "", std::string(4096, 'x')};
+  for (const std::size_t position : {std::size_t{3}, bytes.size() / 3, bytes.size() / 2, bytes.size() - 1}) {
+    damaged.push_back(bytes);
+    damaged.back()[position] ^= 0x10;
+  }
+  for (const std::string& map : damaged) {
+    write("damaged.map", map);
+    expectRefused("info damaged.map", {"damaged.map"});
+    expectRefused("verify damaged.map --problem toy.json", {"damaged.map"});
+  }
+  expectRefused("info gone.map", {"gone.map"});
+  expectRefused("plot gone.map --slice a,b -o x.svg", {"gone.map"});
+  expectRefused("explore gone.map -o x.html", {"gone.map"});
+}
+
+TEST_F(BadOptions, TheCellThatIsWrongIsNamed) {
+  write("toy.json", kToy);
+  output("solve toy.json -o toy.map");
+  const auto refused = [this](const std::string& cells, const Words& parts) {
+    write("bad.csv", cells);
+    expectRefused("eval toy.map --csv bad.csv -o out.csv", parts);
+  };
+  refused("0,0\n0,1.5x\n", {"bad.csv:2:", "column 2", "theta_1", "'1.5x' is not a number"});
+  refused("0,0\n\n0,0,0\n", {"bad.csv:3:", "must have 2 columns, got 3"});
+  refused("theta_1,wind\n0,0\n", {"bad.csv:1:", "column 2", "'wind' is not a parameter"});
+  refused("theta_1,theta_1\n0,0\n", {"bad.csv:1:", "is given twice"});
+  refused("theta_1\n0\n", {"bad.csv:1:", "no column for the parameter"});
+  expectRefused("eval toy.map --csv none.csv", {"none.csv: cannot be read"});
 }
 
 }  // namespace

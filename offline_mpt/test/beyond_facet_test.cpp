@@ -7,12 +7,9 @@
 #include <vector>
 
 #include "exact_programs.hpp"
-#include "map_in_memory.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "random.hpp"
 #include "random_program.hpp"
+#include "solved_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -1,11 +1,10 @@
-// The difference of two maps against counts on a grid, against samples, and as a user runs it.
+// The difference of two maps against counts on a grid, and against samples.
 #include "offline_mpt/diff.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
@@ -13,12 +12,9 @@
 #include "error_of.hpp"
 #include "exact_programs.hpp"
 #include "grid_map.hpp"
-#include "map_in_memory.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "offline_mpt/reduce.hpp"
 #include "random_program.hpp"
-#include "run_program.hpp"
+#include "solved_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -170,8 +166,6 @@ TEST(Diff, AReducedMapIsTheSame) {
   EXPECT_NEAR(diffMaps(original.map(), changed.map()).greatest.at(0).size, 0.5, kRounding);
 }
 
-MapContent solved(const ParametricProgram& program) { return encode(program, explore(program)); }
-
 // Samples never exceed the greatest difference, and it is reached.
 TEST(Diff, BoundsTheDifferenceOfSolvedPrograms) {
   for (const unsigned seed : {1u, 2u, 3u}) {
@@ -246,26 +240,6 @@ TEST(Diff, RefusesMapsThatCannotBeCompared) {
   }
   other.parameters[1].lower = other.parameters[1].upper;
   EXPECT_NE(refusal(other).find("parameter y has no range"), std::string::npos) << refusal(other);
-}
-
-TEST(Diff, TheCommandEndsWithTheAnswer) {
-  const ScratchFolder folder;
-  writeMap(gridMap(4, 2, {{0, 4, 0, 2, 'a'}}), folder.path("first.map"));
-  writeMap(gridMap(4, 2, {{0, 4, 0, 2, 'b'}}), folder.path("second.map"));
-  const auto run = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {OFFLINE_MPT_PROGRAM, "diff", folder.path("first.map")});
-    return waitForProgram(startProgram(std::move(words), folder.path(".")), folder.path("."));
-  };
-  EXPECT_EQ(run({folder.path("first.map")}).exit_code, 0);
-  EXPECT_EQ(run({folder.path("second.map"), "--tolerance", "0.1"}).exit_code, 0);
-  const Outcome different = run({folder.path("second.map"), "--json", folder.path("report.json")});
-  EXPECT_EQ(different.exit_code, 1) << different.err;
-  EXPECT_NE(different.out.find("different answers"), std::string::npos) << different.out;
-  std::ifstream report(folder.path("report.json"));
-  EXPECT_NE(std::string(std::istreambuf_iterator<char>(report), {}).find("\"different_pairs\": 1"),
-            std::string::npos);
-  EXPECT_EQ(run({folder.path("second.map"), "--json", folder.path("first.map")}).exit_code, 2);
-  EXPECT_EQ(run({folder.path("none.map")}).exit_code, 2);
 }
 
 }  // namespace

@@ -5,12 +5,8 @@
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/farkas_proof.hpp"
 #include "certify/multipliers.hpp"
-#include "map_in_memory.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mutation.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 
 namespace polyfly {
 namespace {
@@ -124,11 +120,7 @@ parameters:
 
 TEST(LongRows, OfAnOrdinaryHorizonAreProven) {
   const std::string text = roverProblem(16);
-  const ParametricProgram program = parseProgram(text, "yaml", "rover");
-  const MapContent content = encode(program, explore(program));
-  const CertifyReport report = certify(MapInMemory(content).map(), program);
-  ASSERT_TRUE(report.passed()) << certifyText(report);
-  EXPECT_EQ(refusal(report.certificate, bytesOf(content), text), "");
+  proven(parseProgram(text, "yaml", "rover"), text);
 }
 
 }  // namespace

@@ -6,11 +6,7 @@
 #include "checksum.hpp"
 #include "core/certificate.hpp"
 #include "json_problem.hpp"
-#include "map_in_memory.hpp"
 #include "mutation.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
 #include "problem/signals.hpp"
 #include "random_program.hpp"
@@ -22,57 +18,36 @@ namespace {
 /// A map that leaves slivers to the regions about them.
 class SliverMutation : public Mutation {
  protected:
-  SliverMutation() : Mutation(nearlyDependent(1e-5, 3)) {}
+  SliverMutation() : Mutation(once([] { return nearlyDependent(1e-5, 3); })) {}
 };
 
 TEST_F(SliverMutation, NothingChangedIsConfirmed) {
   EXPECT_EQ(refusal(certificate_, map_), "");
-  EXPECT_NE(certificate_.find("\nsliver_region "), std::string::npos);
-  EXPECT_NE(certificate_.find("\nsliver_cover N "), std::string::npos);
+  for (const char* line : {"\nsliver_region ", "\nsliver_cover N "}) EXPECT_TRUE(holds(certificate_, line));
 }
 
 TEST_F(SliverMutation, ASliverIsDescribedByItsActiveSet) {
-  int tried = 0;
-  EXPECT_NE(refusalOfLines(
-                "sliver_region ",
-                [](std::vector<std::string>& words) {
-                  words[1] = std::to_string(words.size() - 3);
-                  words.pop_back();
-                  return true;
-                },
-                tried),
-            "");
-  EXPECT_NE(refusalOfLines(
-                "sliver_region ",
-                [](std::vector<std::string>& words) {
-                  words.back() = "12";
-                  return true;
-                },
-                tried),
-            "");
-  EXPECT_GT(tried, 0);
+  const auto shorten = [](Words& words) {
+    words[1] = std::to_string(words.size() - 3);
+    words.pop_back();
+    return true;
+  };
+  const auto setLast = [](Words& words) {
+    words.back() = "12";
+    return true;
+  };
+  expectRefused("sliver_region", shorten);
+  expectRefused("sliver_region", setLast);
 }
 
 TEST_F(SliverMutation, ASliverMustLieInRegionsOfTheMap) {
-  int tried = 0;
   const std::size_t count = content_.regions.size();
-  EXPECT_NE(refusalOfLines("sliver_cover ", replacing({"sliver_cover", "e", "1", "0", "1"}), tried), "");
-  EXPECT_NE(refusalOfLines("sliver_cover ", setting(2, std::to_string(count)), tried), "");
-  EXPECT_NE(refusalOfLines(
-                "sliver_cover ",
-                [&](std::vector<std::string>& words) {
-                  words[2] = std::to_string((std::stoul(words[2]) + count / 2) % count);
-                  return true;
-                },
-                tried),
-            "");
-  EXPECT_GT(tried, 0);
+  expectRefused("sliver_cover", replacing({"sliver_cover", "e", "1", "0", "1"}));
+  expectRefused("sliver_cover", setting(2, std::to_string(count)));
+  expectRefused("sliver_cover", stepping(2, count / 2, count));
 }
 
-TEST_F(SliverMutation, ATighterToleranceIsRefused) {
-  int tried = 0;
-  EXPECT_NE(refusalOfLines("tolerances ", setting(2, "0x1p-60"), tried), "");
-}
+TEST_F(SliverMutation, ATighterToleranceIsRefused) { expectRefused("tolerances", setting(2, "0x1p-60")); }
 
 /// The law tolerance that a certificate states.
 double statedLaw(const std::string& certificate) {
@@ -86,7 +61,7 @@ TEST_F(SliverMutation, TheLawToleranceIsAsTightAsTheLaws) {
   MapContent coarse = content_;
   coarse.laws.front() += 1e-9;
   EXPECT_NE(refusalOfMap(coarse), "");
-  const std::string certificate = certify(MapInMemory(coarse).map(), program_, {}).certificate;
+  const std::string certificate = certified(coarse, program_).certificate;
   EXPECT_EQ(statedLaw(certificate), 1e-8);
   EXPECT_EQ(refusal(certificate, bytesOf(coarse)), "");
 }
@@ -103,14 +78,14 @@ double checkedBeyondFacet(const std::string& certificate, const std::string& map
 
 // The law of a sliver is not in the map, and no bound knows it.
 TEST_F(SliverMutation, NothingIsStatedBeyondFacets) {
-  const CertifyReport report = certify(MapInMemory(content_).map(), program_, {});
+  const CertifyReport report = certified(content_, program_);
   ASSERT_GT(report.slivers, 0u);
   EXPECT_EQ(report.beyond_facet, 0.0);
   EXPECT_EQ(checkedBeyondFacet(certificate_, map_), 0.0);
 }
 
 TEST_F(Mutation, TheCheckerBoundsUBeyondAFacetAsTheProverDoes) {
-  const double stated = certify(MapInMemory(content_).map(), program_, {}).beyond_facet;
+  const double stated = certified(content_, program_).beyond_facet;
   ASSERT_GT(stated, 0.0);
   EXPECT_GE(checkedBeyondFacet(certificate_, map_), stated);
   EXPECT_LE(checkedBeyondFacet(certificate_, map_), 1.012 * stated);
@@ -118,34 +93,16 @@ TEST_F(Mutation, TheCheckerBoundsUBeyondAFacetAsTheProverDoes) {
 
 // With tolerances of a forger's choice, any law would be confirmed.
 TEST_F(SliverMutation, TolerancesHaveLimits) {
-  int tried = 0;
-  for (const char* law : {"0x1p0", "0x1p-19", "-0x1p-60"})
-    EXPECT_NE(refusalOfLines("tolerances ", setting(1, law), tried), "") << law;
+  for (const char* law : {"0x1p0", "0x1p-19", "-0x1p-60"}) expectRefused("tolerances", setting(1, law));
   // The map's tolerance is 1e-8.
-  for (const char* plane : {"0x1p0", "0x1p-27", "-0x1p-60"})
-    EXPECT_NE(refusalOfLines("tolerances ", setting(2, plane), tried), "") << plane;
-  EXPECT_EQ(tried, 1);
-}
-
-/// As `sealed`, whatever map the text names, if any.
-std::string withEnd(std::string text) {
-  text.erase(text.rfind("\nend ") + 1);
-  return text + "end " + checker::hexText(checker::xxh64(text)) + "\n";
+  for (const char* plane : {"0x1p0", "0x1p-27", "-0x1p-60"}) expectRefused("tolerances", setting(2, plane));
 }
 
 TEST_F(SliverMutation, LinesOfTheHeadAreThereOnce) {
-  ASSERT_EQ(refusal(withEnd(certificate_), map_), "");
-  std::vector<std::string> lines = linesOf(certificate_);
   for (const char* key :
-       {"map ", "problem ", "tolerances ", "equalities ", "basis ", "convexity ", "coverage ", "regions "}) {
-    const auto at = std::find_if(lines.begin(), lines.end(),
-                                 [&](const std::string& line) { return line.rfind(key, 0) == 0; });
-    ASSERT_NE(at, lines.end()) << key;
-    std::vector<std::string> without = lines, twice = lines;
-    without.erase(without.begin() + (at - lines.begin()));
-    twice.insert(twice.begin() + (at - lines.begin()), *at);
-    EXPECT_NE(refusal(withEnd(joined(without, "\n")), map_), "") << key;
-    EXPECT_NE(refusal(withEnd(joined(twice, "\n")), map_), "") << key;
+       {"map", "problem", "tolerances", "equalities", "basis", "convexity", "coverage", "regions"}) {
+    expectRefused(key, leavingOut());
+    expectRefused(key, repeating());
   }
 }
 
@@ -158,15 +115,12 @@ TEST_F(SliverMutation, NoSliverMayBeMissing) {
 
 /// Confirms without any extension. Empty, or why not.
 std::string refusalOfCore(const std::string& certificate, const std::string& map) {
-  try {
+  return refusalOf([&] {
     const checker::Map content(map);
     checker::Certificate core(content);
     core.read(certificate);
     core.check();
-  } catch (const checker::Refused& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST_F(Mutation, TheCoreAloneConfirmsAStrictlyConvexProgram) {
@@ -181,21 +135,19 @@ TEST_F(SliverMutation, TheCoreAloneRefusesLinesOfExtensions) {
 /// A map whose program counts with a row that is relaxed.
 class RelaxedMutation : public Mutation {
  protected:
-  RelaxedMutation() : Mutation(touching(1)) {}
+  RelaxedMutation() : Mutation(Subject(touching(1))) {}
 };
 
 TEST_F(RelaxedMutation, RelaxedRowsAreCountedAsSuch) {
   EXPECT_EQ(refusal(certificate_, map_), "");
   if (certificate_.find("\nrelaxed ") == std::string::npos) GTEST_SKIP() << "rounding left nothing to relax";
-  int tried = 0;
-  EXPECT_NE(refusalOfLines("relaxed ", replacing({"relaxed", "0"}), tried), "");
-  EXPECT_EQ(tried, 1);
+  expectRefused("relaxed", replacing({"relaxed", "0"}));
 }
 
 /// Certificates small enough to try every bit.
 class BitMutation : public Mutation {
  protected:
-  BitMutation() : Mutation(randomProgram(2, 8, 1, 1)) {}
+  BitMutation() : Mutation(once([] { return randomProgram(2, 8, 1, 1); })) {}
 
   /// A wrong map, with whatever checksum the certificate then needs, is never confirmed.
   void expectNeverConfirmed(const MapContent& wrong) const {
@@ -260,48 +212,30 @@ TEST(CheckerInput, ARowOfZerosIsNoHalfSpace) {
   EXPECT_THROW(checker::proportional(row, zeros), checker::Refused);
 }
 
-/// The map file with other bytes and the checksum that belongs to them: no writer of ours does that.
-std::string withBytes(std::string map, std::size_t at, const std::string& bytes) {
-  constexpr std::size_t kChecksum = 24;  // FORMAT.md
-  map.replace(at, bytes.size(), bytes);
-  map.replace(kChecksum, 8, 8, '\0');
-  const std::uint64_t checksum = checker::xxh64(map);
-  std::memcpy(&map[kChecksum], &checksum, sizeof checksum);
-  return map;
-}
-
 TEST_F(Mutation, TablesThatDoNotFitAreRefused) {
   constexpr std::size_t kReserved = 92, kTestCount = 96 + 10 * 16 + 8;  // FORMAT.md
   const char count = map_[kTestCount];
   ASSERT_EQ(refusal(certificate_, withBytes(map_, kTestCount, {count})), "");
-  const auto why = [](const std::string& map) {
-    try {
-      checker::Map content(map);
-    } catch (const checker::Refused& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_NE(why(withBytes(map_, kTestCount, {static_cast<char>(count - 1)})).find("tests"),
-            std::string::npos);
-  EXPECT_NE(why(withBytes(map_, kReserved, {1})).find("reserved"), std::string::npos);
+  const auto why = [](const std::string& map) { return refusalOf([&] { checker::Map content(map); }); };
+  EXPECT_TRUE(holds(why(withBytes(map_, kTestCount, {static_cast<char>(count - 1)})), "tests"));
+  EXPECT_TRUE(holds(why(withBytes(map_, kReserved, {1})), "reserved"));
 }
 
 // What check_certificate would refuse is not called proven.
 TEST_F(Mutation, NothingIsProvenThatTheCheckerRefuses) {
   const auto defect = [&](const MapContent& changed) {
-    const CertifyReport report = certify(MapInMemory(changed).map(), program_);
+    const CertifyReport report = certified(changed, program_);
     EXPECT_EQ(report.passed(), report.defects.empty());
     return report.passed() ? "" : report.defects.front().text;
   };
   ASSERT_EQ(defect(content_), "");
   MapContent changed = content_;
   changed.tolerance = 9e-9;
-  EXPECT_NE(defect(changed).find("less than twice"), std::string::npos);
+  EXPECT_TRUE(holds(defect(changed), "less than twice"));
   changed = content_;
   const MapContent::Region& region = changed.regions.front();
   changed.rows[region.first_row + 1] = changed.rows[region.first_row];
-  EXPECT_FALSE(certify(MapInMemory(changed).map(), program_).passed());
+  EXPECT_FALSE(certified(changed, program_).passed());
 }
 
 /// A third parameter that nothing depends on, in a range so narrow that doubles can hardly tell its ends apart.
@@ -315,7 +249,7 @@ TEST(CheckerInput, ARangeTooNarrowForDoublesIsNotProven) {
   for (const double half : {1.0, 1e-6}) {
     program.parameters.resize(2);
     program.parameters.push_back({"far", "m", 1e6 - half, 1e6 + half});
-    const CertifyReport report = certify(MapInMemory(encode(program, explore(program))).map(), program);
+    const CertifyReport report = certified(program);
     EXPECT_EQ(report.passed(), half == 1.0);
   }
 }
@@ -332,15 +266,15 @@ std::string refusalOfText(const ParametricProgram& program, MapContent content, 
   content.problem_text = text;
   ParametricProgram liar = program;
   liar.text = text;
-  const CertifyReport forged = certify(MapInMemory(content).map(), liar);
+  const CertifyReport forged = certified(content, liar);
   EXPECT_TRUE(forged.passed());
   return refusal(forged.certificate, bytesOf(content), text);
 }
 
 TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
-  const MapContent content = encode(program, explore(program));
-  const CertifyReport report = certify(MapInMemory(content).map(), program);
+  const MapContent content = solved(program);
+  const CertifyReport report = certified(content, program);
   const std::string map = bytesOf(content);
   EXPECT_EQ(refusal(report.certificate, map, kJsonProblem), "");
   std::string other = kJsonProblem;
@@ -349,50 +283,43 @@ TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   // The map and the certificate carry the other text, but the numbers of the first.
   MapContent relabelled = content;
   relabelled.problem_text = other;
-  EXPECT_THROW(certify(MapInMemory(relabelled).map(), program), Error);
-  EXPECT_NE(refusalOfText(program, content, other).find("H is not"), std::string::npos);
+  EXPECT_THROW(certified(relabelled, program), Error);
+  EXPECT_TRUE(holds(refusalOfText(program, content, other), "H is not"));
 }
 
 TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
   const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
-  const MapContent content = encode(program, explore(program));
+  const MapContent content = solved(program);
   for (const char* const ids : {"-1", "4", "0.5", "1e30"}) {
     std::string other = kJsonProblem;
     other.replace(other.find("\"eq_ids\": []"), 12, std::string("\"eq_ids\": [") + ids + "]");
-    EXPECT_NE(refusalOfText(program, content, other).find("eq_ids names what is not there"),
-              std::string::npos)
-        << ids;
+    EXPECT_TRUE(holds(refusalOfText(program, content, other), "eq_ids names what is not there")) << ids;
   }
 }
 
 TEST(CheckerInput, SignalsOfAMapAreThoseOfItsProblem) {
   const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
-  const MapContent content = encode(program, explore(program));
+  const MapContent content = solved(program);
   const auto why = [](const MapContent& changed) {
     const checker::Map map(bytesOf(changed));
-    try {
-      checker::matchSignals(map, map.problem);
-    } catch (const checker::Refused& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return refusalOf([&] { checker::matchSignals(map, map.problem); });
   };
   ASSERT_EQ(why(content), "");
   MapContent changed = content;
   std::swap(changed.parameters[0].name, changed.parameters[1].name);
-  EXPECT_NE(why(changed).find("in the place of"), std::string::npos);
+  EXPECT_TRUE(holds(why(changed), "in the place of"));
   changed = content;
   changed.inputs[0].unit = "m";
-  EXPECT_NE(why(changed).find("unit"), std::string::npos);
+  EXPECT_TRUE(holds(why(changed), "unit"));
   changed = content;
   changed.inputs[0].upper = 3.0;
-  EXPECT_NE(why(changed).find("range"), std::string::npos);
+  EXPECT_TRUE(holds(why(changed), "range"));
   changed = content;
   changed.period = 0.1;
-  EXPECT_NE(why(changed).find("period"), std::string::npos);
+  EXPECT_TRUE(holds(why(changed), "period"));
   changed = content;
   changed.problem_kind = "yaml";
-  EXPECT_NE(why(changed).find("kind"), std::string::npos);
+  EXPECT_TRUE(holds(why(changed), "kind"));
 }
 
 ParametricProgram inTinyUnits() {
@@ -409,15 +336,15 @@ ParametricProgram inTinyUnits() {
 
 class TinyUnits : public Mutation {
  protected:
-  TinyUnits() : Mutation(inTinyUnits()) {}
+  TinyUnits() : Mutation(Subject(inTinyUnits())) {}
 };
 
 // An error as great as the input's range is one, however small that is.
 TEST_F(TinyUnits, ALawOfTheOtherSignIsRefused) {
   MapContent wrong = content_;
   for (double& entry : wrong.laws) entry = -entry;
-  EXPECT_NE(refusalOfMap(wrong).find("the map's law is not the exact one"), std::string::npos);
-  EXPECT_FALSE(certify(MapInMemory(wrong).map(), program_).passed());
+  EXPECT_TRUE(holds(refusalOfMap(wrong), "the map's law is not the exact one"));
+  EXPECT_FALSE(certified(wrong, program_).passed());
 }
 
 }  // namespace

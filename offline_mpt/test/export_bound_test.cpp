@@ -92,8 +92,8 @@ TEST_F(ExportBoundTest, IsOfTheOrderOfRounding) {
 TEST_F(ExportBoundTest, CompiledCodeStaysWithinIt) {
   if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
   const ScratchFolder folder;
-  saveText(folder, "code.c", code);
-  saveText(folder, "code.h", header);
+  saveText(folder.file("code.c"), code);
+  saveText(folder.file("code.h"), header);
   const RoundingCode compiled(folder, made.map);
   TestPoints points(made.map, 9);
   double greatest = 0.0;
@@ -216,8 +216,8 @@ TEST(ExportBoundOfRandomMaps, HoldsForCompiledCode) {
     proven = checker::exportedAnswers(map, checker::readCode(source));
     ASSERT_TRUE(proven.missing.empty()) << p;
     const ScratchFolder folder;
-    saveText(folder, "code.c", source);
-    saveText(folder, "code.h", exportHeader(made.map, options, {proven.error, proven.margin, {}, {}}));
+    saveText(folder.file("code.c"), source);
+    saveText(folder.file("code.h"), exportHeader(made.map, options, {proven.error, proven.margin, {}, {}}));
     const RoundingCode compiled(folder, made.map);
     TestPoints points(made.map, p);
     for (int i = 0; i < 20000; ++i) {

@@ -1,220 +1,162 @@
 // `offline_mpt export` and `check_certificate --export` as a user calls them.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <filesystem>
-#include <string>
-#include <vector>
 
-#include "project_root.hpp"
 #include "run_program.hpp"
 
 namespace polyfly {
 namespace {
 
-namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
-
-// min z^2/2 - (a + b) z, |z| <= 1: three regions
-const char* const kClip = R"({"name": "clip", "H": [[1.0]], "f": [0.0], "F": [[-1.0, -1.0]],
-    "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
-    "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
-
-class ExportCommand : public testing::Test {
+class ExportCommand : public ToolTest {
  protected:
   void SetUp() override {
-    fs::create_directory(work_);
-    writeBytes(path("clip.json"), kClip);
-    ASSERT_EQ(run({OFFLINE_MPT_PROGRAM, "solve", path("clip.json"), "-o", map_}).exit_code, 0);
+    write("toy.json", kToy);
+    output("solve toy.json -o toy.map");
   }
 
-  std::string path(const std::string& name) const { return work_ + "/" + name; }
-
-  Outcome run(Words words) const {
-    return waitForProgram(startProgram(std::move(words), folder_.path(".")), folder_.path("."));
+  static std::string exportWith(const std::string& options) {
+    return "export toy.map -o code --name clip " + options;
   }
-
-  Outcome exportMap(Words options) const {
-    options.insert(options.begin(), {OFFLINE_MPT_PROGRAM, "export", map_, "-o", path("code")});
-    return run(options);
+  Outcome confirm() const { return check("--export code --map toy.map"); }
+  void expectFiles(const std::string& folder, const Words& names) const {
+    for (const std::string& name : names)
+      EXPECT_TRUE(std::filesystem::is_regular_file(path(folder + "/" + name))) << name;
   }
-
-  Outcome confirm() const { return run({CHECK_CERTIFICATE, "--export", path("code"), "--map", map_}); }
-
-  ScratchFolder folder_;
-  const std::string work_ = folder_.path("work");
-  const std::string map_ = path("clip.map");
 };
 
 TEST_F(ExportCommand, WritesFourFilesThatAreConfirmed) {
-  for (const char* const type : {"double", "float"}) {
-    const Outcome result = exportMap({"--name", "clip", "--type", type});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    for (const char* const name : {"clip.c", "clip.h", "clip_test.c", "clip.json"})
-      EXPECT_TRUE(fs::is_regular_file(path("code") + "/" + name)) << name;
-    EXPECT_NE(readBytes(path("code/clip.json")).find(std::string("\"type\": \"") + type), std::string::npos);
-    const bool differs = std::string(type) != "double";
-    EXPECT_EQ(result.out.find(": off the map's by at most ") != std::string::npos, differs) << result.out;
+  for (const std::string type : {"double", "float"}) {
+    const std::string shown = output(exportWith("--type " + type));
+    expectFiles("code", {"clip.c", "clip.h", "clip_test.c", "clip.json"});
+    EXPECT_EQ(json("code/clip.json")["type"], type);
+    EXPECT_EQ(bool(holds(shown, ": off the map's by at most ")), type != "double") << shown;
     const Outcome confirmed = confirm();
     EXPECT_EQ(confirmed.exit_code, 0) << confirmed.err;
-    EXPECT_NE(confirmed.out.find("confirmed: the code of 3 regions"), std::string::npos) << confirmed.out;
+    EXPECT_TRUE(holds(confirmed.out, "confirmed: the code of 3 regions"));
   }
 }
 
 TEST_F(ExportCommand, TheSameMapGivesTheSameBytes) {
-  ASSERT_EQ(exportMap({"--name", "clip", "--type", "float"}).exit_code, 0);
-  const std::string code = readBytes(path("code/clip.c")), facts = readBytes(path("code/clip.json"));
-  ASSERT_EQ(exportMap({"--name", "clip", "--type", "float"}).exit_code, 0);
-  EXPECT_EQ(readBytes(path("code/clip.c")), code);
-  EXPECT_EQ(readBytes(path("code/clip.json")), facts);
+  output(exportWith("--type float"));
+  const std::string code = text("code/clip.c"), facts = text("code/clip.json");
+  output(exportWith("--type float"));
+  EXPECT_EQ(text("code/clip.c"), code);
+  EXPECT_EQ(text("code/clip.json"), facts);
 }
 
 TEST_F(ExportCommand, OnlineWritesASolverOfAMapOrAProblem) {
-  for (const std::string& source : {map_, path("clip.json")}) {
-    const Outcome result = run({OFFLINE_MPT_PROGRAM, "export", source, "-o", path("online"), "--name", "clip",
-                                "--online", "--iteration-limit", "7"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_NE(result.out.find("0 at the iteration limit"), std::string::npos) << result.out;
-    for (const char* const name : {"clip.c", "clip.h", "clip_test.c"})
-      EXPECT_TRUE(fs::is_regular_file(path("online") + "/" + name)) << name;
-    const std::string facts = readBytes(path("online/clip.json"));
-    EXPECT_NE(facts.find("\"iterations\": 7"), std::string::npos) << facts;
+  for (const std::string source : {"toy.map", "toy.json"}) {
+    EXPECT_TRUE(holds(output("export " + source + " -o online --name clip --online --iteration-limit 7"),
+                      "0 at the iteration limit"));
+    expectFiles("online", {"clip.c", "clip.h", "clip_test.c"});
     // One of the two bounds is active at most.
-    EXPECT_NE(facts.find("\"iterations\": 1,"), std::string::npos) << facts;
+    for (const char* const fact : {"\"iterations\": 7", "\"iterations\": 1,"})
+      EXPECT_TRUE(holds(text("online/clip.json"), fact));
   }
-  EXPECT_EQ(exportMap({"--name", "clip", "--online", "--flash-limit", "1k"}).exit_code, 2);
-  EXPECT_EQ(exportMap({"--name", "clip", "--iteration-limit", "7"}).exit_code, 2);
-  EXPECT_EQ(exportMap({"--name", "clip", "--online", "--iteration-limit", "0"}).exit_code, 2);
+  expectRefused(exportWith("--online --flash-limit 1k"));
+  expectRefused(exportWith("--iteration-limit 7"));
+  expectRefused(exportWith("--online --iteration-limit 0"));
 }
 
 TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
-  const auto bytes = [&](const char* type) {
-    EXPECT_EQ(exportMap({"--name", "clip", "--type", type}).exit_code, 0);
-    const std::string facts = readBytes(path("code/clip.json"));
-    return std::stoi(facts.substr(facts.find("\"flash_bytes\": ") + 15));
+  const auto bytes = [&](const std::string& type) {
+    output(exportWith("--type " + type));
+    return json("code/clip.json")["flash_bytes"].get<int>();
   };
   const int in_double = bytes("double"), in_float = bytes("float");
   ASSERT_LT(in_float, in_double);
-  const auto typeWithin = [&](int limit) -> std::string {
-    const Outcome result = exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    const std::string facts = readBytes(path("code/clip.json"));
-    const std::size_t first = facts.find("\"type\": \"") + 9;
-    return facts.substr(first, facts.find('"', first) - first);
+  const auto typeWithin = [&](int limit) {
+    output(exportWith("--flash-limit " + std::to_string(limit)));
+    return json("code/clip.json")["type"];
   };
   EXPECT_EQ(typeWithin(in_double), "double");
   EXPECT_EQ(typeWithin(in_double - 1), "float");
   EXPECT_EQ(typeWithin(in_float), "float");
   EXPECT_EQ(confirm().exit_code, 0);
   // No map in no type is smaller than this.
-  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", "60"});
-  EXPECT_EQ(refused.exit_code, 2);
-  for (const std::string& need : {std::to_string(in_double) + " bytes as the map in double",
-                                  std::to_string(in_float) + " bytes as the map in float"})
-    EXPECT_NE(refused.err.find(need), std::string::npos) << refused.err;
-  EXPECT_EQ(exportMap({"--name", "clip", "--type", "double", "--flash-limit", "60"}).exit_code, 2);
+  expectRefused(exportWith("--flash-limit 60"), {std::to_string(in_double) + " bytes as the map in double",
+                                                 std::to_string(in_float) + " bytes as the map in float"});
+  expectRefused(exportWith("--type double --flash-limit 60"));
 }
 
 // No code in float is within what this filter's proof allows, so a limit of flash takes the one with the least error.
 TEST_F(ExportCommand, TheLimitOfFlashPassesGreatErrorsOver) {
-  std::string filter = readBytes(projectRoot() + "/region_maps/problems/safety/double_integrator_float.yaml");
+  std::string filter = text("problems/safety/double_integrator_float.yaml");
   const std::string allowance = "error: 0.005";
-  ASSERT_NE(filter.find(allowance), std::string::npos);
-  filter.replace(filter.find(allowance), allowance.size(), "error: 1.0e-4");
-  writeBytes(path("tight.yaml"), filter);
-  const std::string map = path("other.map");
-  ASSERT_EQ(run({OFFLINE_MPT_PROGRAM, "solve", path("tight.yaml"), "-o", map, "--force"}).exit_code, 0);
-  Words words = {OFFLINE_MPT_PROGRAM, "export", map, "-o", path("code"), "--name", "code", "--type", "float"};
+  ASSERT_TRUE(holds(filter, allowance));
+  write("tight.yaml", filter.replace(filter.find(allowance), allowance.size(), "error: 1.0e-4"));
+  output("solve tight.yaml -o other.map");
+  const std::string line = "export other.map -o code --name code --type float";
   const auto error = [&] {
-    const std::string facts = readBytes(path("code/code.json"));
-    EXPECT_NE(facts.find("\"is_allowed\": false"), std::string::npos) << facts;
-    return std::stod(facts.substr(facts.find("\"error_bound\": [") + 16));
+    EXPECT_EQ(json("code/code.json")["is_allowed"], false);
+    return json("code/code.json")["error_bound"][0].get<double>();
   };
-  const Outcome given = run(words);
-  EXPECT_NE(given.out.find("the map in float"), std::string::npos) << given.out;
+  EXPECT_TRUE(holds(output(line), "the map in float"));
   const double as_it_is = error();
-  words.insert(words.end(), {"--flash-limit", "1M"});
-  EXPECT_EQ(run(words).exit_code, 0);
+  output(line + " --flash-limit 1M");
   EXPECT_LE(error(), as_it_is);
 }
 
 TEST_F(ExportCommand, TheTypeThatWasRemovedIsRefusedWithWhatToUse) {
-  const Outcome result = exportMap({"--name", "clip", "--type", "int16"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("--type: int16 was removed"), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("use float"), std::string::npos) << result.err;
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_FALSE(fs::exists(path("code")));
+  expectRefused(exportWith("--type int16"), {"--type: int16 was removed", "use float"});
 }
 
 // Rounding decides all that these limits decide, so no second solver confirms an answer.
 TEST_F(ExportCommand, OnlineRefusesWhatCannotBeConfirmed) {
-  writeBytes(path("narrow.json"), R"({"H": [[2, 1], [1, 2]], "f": [0, 0], "F": [[1, 0], [0, 1]],
+  write("narrow.json", R"({"H": [[2, 1], [1, 2]], "f": [0, 0], "F": [[1, 0], [0, 1]],
     "A": [[1, 0], [-1, 0], [0, 1], [0, -1]], "b": [1e-8, 1e-8, 1e-8, 1e-8],
     "B": [[0, 0], [0, 0], [0, 0], [0, 0]], "lb": [-3, -3], "ub": [3, 3]})");
-  const Outcome result = run({OFFLINE_MPT_PROGRAM, "export", path("narrow.json"), "-o", path("online"),
-                              "--name", "clip", "--online", "--type", "float"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("another solver confirms none of the answers"), std::string::npos) << result.err;
-  EXPECT_FALSE(fs::exists(path("online")));
+  expectRefused("export narrow.json -o online --name clip --online --type float",
+                {"another solver confirms none of the answers"});
 }
 
 // What stands around the tables cannot change the answers.
 TEST_F(ExportCommand, ChangedFunctionsAndHeadersAreRefused) {
-  ASSERT_EQ(exportMap({"--name", "clip"}).exit_code, 0);
-  const auto refused = [&](const char* name, const std::string& part, const std::string& other) {
-    const std::string file = path(std::string("code/") + name), text = readBytes(file);
-    EXPECT_NE(text.find(part), std::string::npos) << part;
-    std::string changed = text;
-    writeBytes(file, changed.replace(changed.find(part), part.size(), other));
+  output(exportWith(""));
+  const auto expectChangeRefused = [&](const std::string& file, const std::string& part,
+                                       const std::string& other) {
+    const std::string right = text(file);
+    ASSERT_TRUE(holds(right, part));
+    std::string changed = right;
+    write(file, changed.replace(changed.find(part), part.size(), other));
     const Outcome result = confirm();
-    writeBytes(file, text);
-    return result.exit_code == 1 && result.err.find("the text of the code") != std::string::npos;
+    write(file, right);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_TRUE(holds(result.err, "the text of the code"));
   };
   EXPECT_EQ(confirm().exit_code, 0);
-  EXPECT_TRUE(refused("clip.c", "u[j] = sum;", "u[j] = -sum;"));
-  EXPECT_TRUE(refused("clip.c", "/* Laws u = K", "#if 0\n/* Laws u = K"));
-  EXPECT_TRUE(refused("clip.h", "#include <stdint.h>", "#include <stdint.h>\n#define double float"));
+  expectChangeRefused("code/clip.c", "u[j] = sum;", "u[j] = -sum;");
+  expectChangeRefused("code/clip.c", "/* Laws u = K", "#if 0\n/* Laws u = K");
+  expectChangeRefused("code/clip.h", "#include <stdint.h>", "#include <stdint.h>\n#define double float");
 }
 
 TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {
-  for (const Words& options : std::vector<Words>{
-           {"--name", "1clip"}, {"--name", "../clip"}, {"--name", "clip", "--type", "half"}, {}}) {
-    const Outcome result = exportMap(options);
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_FALSE(fs::exists(path("code")));
-  }
+  for (const char* const options : {" --name 1clip", " --name ../clip", " --name clip --type half", ""})
+    expectRefused(std::string("export toy.map -o code") + options);
 }
 
 TEST_F(ExportCommand, AnAlteredFolderIsRefused) {
-  ASSERT_EQ(exportMap({"--name", "clip", "--type", "float"}).exit_code, 0);
-  std::string code = readBytes(path("code/clip.c"));
+  output(exportWith("--type float"));
+  std::string code = text("code/clip.c");
   const std::size_t law = code.find("{1.0f, 1.0f,");
   ASSERT_NE(law, std::string::npos) << code;
-  writeBytes(path("code/clip.c"), code.replace(law + 1, 4, "1.1f"));
+  write("code/clip.c", code.replace(law + 1, 4, "1.1f"));
   Outcome result = confirm();
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("refused: the error of input 0 may exceed its bound"), std::string::npos)
-      << result.err;
+  EXPECT_TRUE(holds(result.err, "refused: the error of input 0 may exceed its bound"));
   // Cut off, empty, and none.
-  writeBytes(path("code/clip.c"), code.substr(0, code.size() / 3));
+  write("code/clip.c", code.substr(0, code.size() / 3));
   EXPECT_EQ(confirm().exit_code, 1);
-  writeBytes(path("code/other.json"), "{}");
+  write("code/other.json", "{}");
   result = confirm();
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("more than one file *.json"), std::string::npos) << result.err;
-  fs::remove_all(path("code"));
+  EXPECT_TRUE(holds(result.err, "more than one file *.json"));
+  std::filesystem::remove_all(path("code"));
   EXPECT_EQ(confirm().exit_code, 2);
 }
 
 TEST_F(ExportCommand, OptionsThatExcludeOneAnotherAreRefused) {
-  for (const Words& words :
-       std::vector<Words>{{CHECK_CERTIFICATE, "--export", path("code")},
-                          {CHECK_CERTIFICATE, "--export", path("code"), "--map", map_, map_},
-                          {CHECK_CERTIFICATE, "--export", path("code"), "--map", map_, "--problem", map_}}) {
-    EXPECT_EQ(run(words).exit_code, 2);
-  }
+  for (const char* const options : {"", " --map toy.map toy.map", " --map toy.map --problem toy.map"})
+    EXPECT_EQ(check(std::string("--export code") + options).exit_code, 2) << options;
 }
 
 }  // namespace

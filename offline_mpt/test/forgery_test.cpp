@@ -1,18 +1,10 @@
 // Maps and certificates that were forged together: what they state is false, and all checksums are right.
-#include <cmath>
-#include <cstddef>
-#include <cstdio>
-#include <string>
-#include <vector>
+#include <cstring>
 
 #include "core/map.hpp"
-#include "map_in_memory.hpp"
+#include "error_of.hpp"
 #include "mutation.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
-#include "polyfly_base/error.hpp"
-#include "polyfly_base/write_file.hpp"
+#include "region_maps/aligned_bytes.hpp"
 
 namespace polyfly {
 namespace {
@@ -29,31 +21,18 @@ std::string smallProblem(const std::string& ending) {
 std::string refusalOfLiar(ParametricProgram program, const std::string& text) {
   program.text = text;
   program.text_kind = "json";
-  const MapContent content = encode(program, explore(program));
-  const CertifyReport report = certify(MapInMemory(content).map(), program);
-  EXPECT_TRUE(report.passed()) << certifyText(report);
-  return refusal(report.certificate, bytesOf(content), text);
+  const Subject subject(program);
+  return refusal(subject.certificate, bytesOf(subject.content), text);
 }
 
 /// Of the project's reader and the checker's own, how many refuse the map for the length of a plane.
 int lengthRefusals(const std::string& bytes) {
-  int refusals = 0;
-  try {
-    checker::Map map(bytes);
-  } catch (const checker::Refused& refused) {
-    refusals += std::string(refused.what()).find("another length than 1") != std::string::npos ? 1 : 0;
-  }
-  const std::string path = testing::TempDir() + "forged_length.map";
-  writeFileAtomically(
-      path, std::vector<std::byte>(reinterpret_cast<const std::byte*>(bytes.data()),
-                                   reinterpret_cast<const std::byte*>(bytes.data()) + bytes.size()));
-  try {
-    RegionMap::open(path);
-  } catch (const Error& error) {
-    refusals += std::string(error.what()).find("must have the length 1") != std::string::npos ? 1 : 0;
-  }
-  std::remove(path.c_str());
-  return refusals;
+  const bool by_checker = bool(holds(refusalOf([&] { checker::Map map(bytes); }), "another length than 1"));
+  AlignedBytes aligned(bytes.size());
+  std::memcpy(aligned.data(), bytes.data(), bytes.size());
+  const bool by_reader = bool(holds(errorOf([&] { RegionMap::view(aligned.data(), bytes.size(), "forged"); }),
+                                    "must have the length 1"));
+  return by_checker + by_reader;
 }
 
 // Such a problem has u = z, or some entries of z. A certificate with another C or c is of another problem.
@@ -80,21 +59,15 @@ TEST(Forgery, KeysThatReadTwoWaysAreRefused) {
 
 /// The text with one line in the place of that which starts with `key`.
 std::string withLine(const std::string& text, const std::string& key, const std::string& line) {
-  std::vector<std::string> lines = linesOf(text);
-  bool found = false;
-  for (std::string& old : lines) {
-    if (old.compare(0, key.size() + 1, key + " ") != 0) continue;
-    old = line;
-    found = true;
-  }
-  EXPECT_TRUE(found) << key;
-  return joined(lines, "\n") + "\n";
+  const std::size_t at = text.find("\n" + key + " ") + 1;
+  EXPECT_NE(at, 0u) << key;
+  return text.substr(0, at) + line + text.substr(text.find('\n', at));
 }
 
 // Planes of length 1e-11 make half the box lie within the tolerance of every one of them.
 TEST(Forgery, PlanesOfAnotherLengthAreRefused) {
   const ParametricProgram program = parseProgramJson(smallProblem(""), "test.json");
-  const std::string map = bytesOf(encode(program, explore(program)));
+  const std::string map = bytesOf(solved(program));
   const auto confirmed = [&](double factor) { return lengthRefusals(withScaledPlanes(map, factor)) == 0; };
   EXPECT_TRUE(confirmed(1.0));
   EXPECT_TRUE(confirmed(1.0 + 0x1p-41));
@@ -108,11 +81,10 @@ TEST(Forgery, AMinimiserThatIsNotUniqueIsRefused) {
       R"({"H": [[1, 0], [0, 1]], "f": [0, -3], "F": [[0], [0]], "A": [[0, 1], [0, -1]], "b": [0, 5],
           "B": [[1], [0]], "lb": [-1], "ub": [1], "out": [1]})",
       "test.json");
-  const MapContent content = encode(program, explore(program));
-  const CertifyReport report = certify(MapInMemory(content).map(), program);
-  const std::string map = bytesOf(content);
-  ASSERT_EQ(refusal(report.certificate, map), "");
-  std::string forged = withLine(report.certificate, "H", "H 2 2 0x1p+0 0x0p+0 0x0p+0 0x0p+0");
+  const Subject subject(program);
+  const std::string map = bytesOf(subject.content);
+  ASSERT_EQ(refusal(subject.certificate, map), "");
+  std::string forged = withLine(subject.certificate, "H", "H 2 2 0x1p+0 0x0p+0 0x0p+0 0x0p+0");
   forged = withLine(forged, "f", "f 2 1 0x0p+0 0x0p+0");
   EXPECT_NE(refusal(sealed(forged, map), map), "");
 }
@@ -122,13 +94,11 @@ TEST(Forgery, TheRoundingOfALawCounts) {
   const ParametricProgram program = parseProgramJson(
       R"({"H": [[1]], "f": [1e12], "F": [[-1e6]], "A": [], "b": [], "B": [], "lb": [999999], "ub": [1000001]})",
       "test.json");
-  const MapContent content = encode(program, explore(program));
-  const CertifyReport report = certify(MapInMemory(content).map(), program);
-  ASSERT_TRUE(report.passed()) << certifyText(report);
-  const std::string map = bytesOf(content);
-  EXPECT_EQ(refusal(report.certificate, map), "");
-  const std::string tight = withLine(report.certificate, "tolerances", "tolerances 0x1p-34 0x1p-30");
-  EXPECT_NE(refusal(sealed(tight, map), map).find("law"), std::string::npos);
+  const Subject subject(program);
+  const std::string map = bytesOf(subject.content);
+  EXPECT_EQ(refusal(subject.certificate, map), "");
+  const std::string tight = withLine(subject.certificate, "tolerances", "tolerances 0x1p-34 0x1p-30");
+  EXPECT_TRUE(holds(refusal(sealed(tight, map), map), "law"));
 }
 
 // Read before the basis is judged.

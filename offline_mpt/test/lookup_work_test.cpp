@@ -135,10 +135,10 @@ TEST_P(LookupWorkOfTypes, IsExceededByNoVectorOfTheCodesTest) {
     // The answers themselves are not what this test is about.
     const ExportBound bound = {std::vector<double>(code.tables.q, 0.0), 1e-3, {}, {}};
     const ScratchFolder folder;
-    saveText(folder, "code.c", source);
-    saveText(folder, "code.h", exportHeader(made.map, options, bound));
-    saveText(folder, "code_test.c", exportTest(made.map, options, bound));
-    saveText(folder, "reads.c", kCountedReads);
+    saveText(folder.file("code.c"), source);
+    saveText(folder.file("code.h"), exportHeader(made.map, options, bound));
+    saveText(folder.file("code_test.c"), exportTest(made.map, options, bound));
+    saveText(folder.file("reads.c"), kCountedReads);
     EXPECT_EQ(runCommand(folder, "gcc -std=c99 -O1 -ffp-contract=off reads.c -o reads && ./reads"), 0)
         << logOf(folder);
     const std::size_t p = code.tables.p;

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstring>
 #include <string>
-#include <vector>
 
+#include "region_maps/aligned_bytes.hpp"
 #include "region_maps/format.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
@@ -16,24 +16,14 @@ namespace polyfly {
 /// A map laid out in memory, aligned as RegionMap::view asks.
 class MapInMemory {
  public:
-  explicit MapInMemory(const MapContent& content) : bytes_(layOut(content)), map_(place(content.name)) {}
+  explicit MapInMemory(const MapContent& content)
+      : bytes_(layOut(content)), map_(RegionMap::view(bytes_.data(), bytes_.size(), content.name)) {}
   const RegionMap& map() const { return map_; }
   std::size_t size() const { return bytes_.size(); }
   std::string bytes() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
 
  private:
-  struct alignas(64) Block {
-    std::byte bytes[64];
-  };
-
-  RegionMap place(const std::string& name) {
-    storage_.resize(bytes_.size() / sizeof(Block) + 1);
-    std::memcpy(storage_.data(), bytes_.data(), bytes_.size());
-    return RegionMap::view(storage_.data(), bytes_.size(), name);
-  }
-
-  std::vector<std::byte> bytes_;
-  std::vector<Block> storage_;
+  AlignedBytes bytes_;
   RegionMap map_;
 };
 
@@ -67,9 +57,21 @@ inline void changePlane(MapContent& content, std::size_t number, double by) {
   }
 }
 
-/// The map's bytes with all planes multiplied and the checksum right, which no writer writes.
+/// The map's bytes with the checksum that belongs to them: no writer of ours writes others.
+inline std::string resealed(std::string bytes) {
+  const std::uint64_t checksum = format::checksum(bytes.data(), bytes.size());
+  std::memcpy(bytes.data() + offsetof(format::Header, checksum), &checksum, sizeof checksum);
+  return bytes;
+}
+
+/// With other bytes from a place on.
+inline std::string withBytes(std::string map, std::size_t at, const std::string& bytes) {
+  return resealed(map.replace(at, bytes.size(), bytes));
+}
+
+/// With all planes multiplied.
 inline std::string withScaledPlanes(std::string bytes, double factor) {
-  format::Header header = format::readHeader(bytes.data());
+  const format::Header header = format::readHeader(bytes.data());
   const format::SectionEntry& planes = header.sections[format::kPlanes];
   for (std::size_t i = 0; i < planes.count * (header.parameters + 1); ++i) {
     double value = 0.0;
@@ -78,9 +80,7 @@ inline std::string withScaledPlanes(std::string bytes, double factor) {
     value *= factor;
     std::memcpy(at, &value, sizeof value);
   }
-  header.checksum = format::checksum(bytes.data(), bytes.size());
-  std::memcpy(bytes.data() + offsetof(format::Header, checksum), &header.checksum, sizeof header.checksum);
-  return bytes;
+  return resealed(bytes);
 }
 
 }  // namespace polyfly

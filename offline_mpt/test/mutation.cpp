@@ -6,23 +6,12 @@
 
 #include "checksum.hpp"
 #include "json_problem.hpp"
-#include "map_in_memory.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "robust/read_map_certificate.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr std::size_t kMostTried = 30;  // lines of one kind
-
-std::vector<std::string> wordsOf(const std::string& line) {
-  std::vector<std::string> words;
-  std::istringstream stream(line);
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
 
 }  // namespace
 
@@ -32,95 +21,157 @@ std::string bytesOf(const MapContent& content) {
 }
 
 std::string refusal(const std::string& certificate, const std::string& map, const std::string& problem) {
-  try {
+  return refusalOf([&] {
     const checker::Map content(map);
     const auto proof = checker::readMapCertificate(certificate, content);
     if (!problem.empty()) checker::compareProblem(*proof, content, problem);
     proof->check();
-  } catch (const checker::Refused& error) {
-    return error.what();
-  }
-  return "";
+  });
+}
+
+CertifyReport proven(const ParametricProgram& program, const std::string& problem) {
+  const Partition partition = explore(program);
+  EXPECT_EQ(partition.status, ExploreStatus::kComplete) << program.name;
+  const MapContent content = encode(program, partition);
+  CertifyReport report = certified(content, program);
+  EXPECT_TRUE(report.passed()) << program.name << "\n" << certifyText(report);
+  EXPECT_EQ(refusal(report.certificate, bytesOf(content), problem), "") << program.name;
+  return report;
+}
+
+std::string withEnd(const std::string& text) {
+  return text + "end " + checker::hexText(checker::xxh64(text)) + "\n";
 }
 
 std::string sealed(std::string text, const std::string& map) {
-  const checker::Map content(map);
-  char line[64];
-  std::snprintf(line, sizeof line, "\nmap %016llx %zu\n", static_cast<unsigned long long>(content.checksum),
-                map.size());
+  const std::uint64_t checksum = format::readHeader(map.data()).checksum;
+  const std::string line = "\nmap " + checker::hexText(checksum) + " " + std::to_string(map.size()) + "\n";
   const std::size_t at = text.find("\nmap ");
-  text.replace(at, text.find('\n', at + 1) + 1 - at, line);
-  text.erase(text.rfind("\nend ") + 1);
-  std::snprintf(line, sizeof line, "end %016llx\n", static_cast<unsigned long long>(checker::xxh64(text)));
-  return text + line;
+  if (at != std::string::npos) text.replace(at, text.find('\n', at + 1) + 1 - at, line);
+  return withEnd(text.substr(0, text.rfind("\nend ") + 1));
 }
 
-std::vector<std::string> linesOf(const std::string& text) {
-  std::vector<std::string> lines;
+Words wordsOf(const std::string& line) {
+  Words words;
+  std::istringstream stream(line);
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+Words linesOf(const std::string& text) {
+  Words lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
 
-std::string joined(const std::vector<std::string>& parts, const char* between) {
+std::string joined(const Words& parts, const char* between) {
   std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : between) + part;
+  for (const std::string& part : parts) text += (text.empty() || part.empty() ? "" : between) + part;
   return text;
 }
 
+Change where(std::size_t word, const std::string& text, const Change& change) {
+  return [=](Words& words) { return words.size() > word && words[word] == text && change(words); };
+}
+
+Change stepping(std::size_t word, std::size_t by, std::size_t count) {
+  return [=](Words& words) {
+    words[word] = std::to_string((std::stoul(words[word]) + by) % count);
+    return true;
+  };
+}
+
 Change setting(std::size_t word, const std::string& text) {
-  return [=](std::vector<std::string>& words) {
+  return [=](Words& words) {
     words[word] = text;
     return true;
   };
 }
 
-Change replacing(const std::vector<std::string>& replacement) {
-  return [=](std::vector<std::string>& words) {
+Change replacing(const Words& replacement) {
+  return [=](Words& words) {
     words = replacement;
     return true;
   };
 }
 
-Mutation::Mutation(ParametricProgram program) : program_(std::move(program)) {
-  content_ = encode(program_, explore(program_));
-  map_ = bytesOf(content_);
-  const CertifyReport report = certify(MapInMemory(content_).map(), program_);
-  EXPECT_TRUE(report.passed()) << certifyText(report);
-  certificate_ = report.certificate;
+Change leavingOut() { return replacing({}); }
+
+Change repeating() {
+  return [](Words& words) {
+    const std::string line = joined(words, " ");
+    words.back() += "\n" + line;
+    return true;
+  };
 }
 
-Mutation::Mutation(MapContent content, std::string certificate)
-    : content_(std::move(content)), map_(bytesOf(content_)), certificate_(std::move(certificate)) {}
+Change negatingLast() {
+  return [](Words& words) {
+    words.back() = "-" + words.back();
+    return true;
+  };
+}
+
+Change lengtheningLast(const std::string& text) {
+  return [=](Words& words) {
+    words.back() += text;
+    return true;
+  };
+}
+
+Change droppingLast() {
+  return [](Words& words) {
+    words.pop_back();
+    return true;
+  };
+}
+
+Subject::Subject(ParametricProgram made) : program(std::move(made)), content(solved(program)) {
+  const CertifyReport report = certified(content, program);
+  EXPECT_TRUE(report.passed()) << certifyText(report);
+  certificate = report.certificate;
+}
+
+Subject::Subject(MapContent map, std::string proof)
+    : content(std::move(map)), certificate(std::move(proof)) {}
+
+Mutation::Mutation(const Subject& subject)
+    : program_(subject.program),
+      content_(subject.content),
+      map_(bytesOf(content_)),
+      certificate_(subject.certificate) {}
 
 std::string Mutation::refusalOfMap(const MapContent& content) const {
   const std::string map = bytesOf(content);
   return refusal(sealed(certificate_, map), map);
 }
 
-std::string Mutation::refusalOfLines(const std::string& key, const Change& change, int& tried) const {
-  std::vector<std::string> lines = linesOf(certificate_);
+std::string Mutation::refusalOfLines(const Words& lines) const {
+  return refusal(sealed(joined(lines, "\n") + "\n", map_), map_);
+}
+
+void Mutation::expectRefused(const std::string& key, const Change& change, int least,
+                             const std::string& part) const {
+  Words lines = linesOf(certificate_);
   std::vector<std::pair<std::size_t, std::string>> changes;  // line, its new text
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    if (lines[k].compare(0, key.size(), key) != 0) continue;
-    std::vector<std::string> words = wordsOf(lines[k]);
+    if (lines[k].compare(0, key.size() + 1, key + " ") != 0) continue;
+    Words words = wordsOf(lines[k]);
     if (change(words)) changes.emplace_back(k, joined(words, " "));
   }
-  std::string last = "nothing was tried";
-  tried = 0;
+  int tried = 0;
   const std::size_t stride = 1 + changes.size() / kMostTried;
   for (std::size_t k = 0; k < changes.size(); k += stride) {
     auto& [at, text] = changes[k];
     std::swap(lines[at], text);
     ++tried;
-    last = refusal(sealed(joined(lines, "\n") + "\n", map_), map_);
-    if (last.empty()) {
-      ADD_FAILURE() << "confirmed: " << lines[at] << " instead of " << text;
-      return last;
-    }
+    const std::string reason = refusalOfLines(lines);
+    EXPECT_NE(reason, "") << lines[at] << " instead of " << text;
+    EXPECT_TRUE(holds(reason, part)) << lines[at] << " instead of " << text;
     std::swap(lines[at], text);
   }
-  return last;
+  EXPECT_GE(tried, least) << key;
 }
 
 }  // namespace polyfly

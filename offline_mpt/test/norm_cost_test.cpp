@@ -3,18 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "glpk_lp.hpp"
-#include "map_in_memory.hpp"
 #include "norm_cost_programs.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "random.hpp"
 #include "random_program.hpp"
+#include "solved_map.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kValue = 1e-7, kInside = 1e-9;
+constexpr double kValue = 1e-7;
 /// Distance from the edge of the feasible set at which GLPK's verdict is certain.
 constexpr double kClear = 1e-6;
 
@@ -34,34 +31,28 @@ void expectRightAnswers(const ParametricProgram& program, const Partition& parti
     const Eigen::VectorXd bound = program.b + program.S * theta;
     const bool clear = isFeasible(program, bound.array() - kClear);
     if (!clear && isFeasible(program, bound.array() + kClear)) continue;
-    bool held = false;
-    for (const CriticalRegion& region : partition.regions) {
-      if ((region.G * theta - region.g).maxCoeff() > kInside) continue;
-      held = true;
+    const std::vector<CriticalRegion> held = holders(partition, theta);
+    missing += held.empty() == clear;
+    for (const CriticalRegion& region : held) {
       if (!clear) break;
       const double best = solveByGlpk(program.f, program.A, bound).objective;
       const Eigen::VectorXd z = region.K * theta + region.k;
       const bool optimal = std::abs(program.f.dot(z) - best) < kValue * (1.0 + best);
       wrong += !optimal || (program.A * z - bound).maxCoeff() > kValue;
     }
-    missing += held != clear;
   }
   EXPECT_EQ(missing, 0) << program.name;
   EXPECT_EQ(wrong, 0) << program.name;
 }
 
-void expectRight(const ParametricProgram& program, int samples) {
+void expectRightAndProven(const ParametricProgram& program) {
+  constexpr int kSamples = 40;
   ParametricProgram whole = program;
   outputAllVariables(whole);
   const Partition all = explore(whole);
   ASSERT_EQ(all.status, ExploreStatus::kComplete) << program.name;
-  expectRightAnswers(whole, all, samples);
-}
-
-void expectProven(const ParametricProgram& program, int samples) {
-  expectRight(program, samples);
-  const MapInMemory map(encode(program, explore(program)));
-  const CertifyReport report = certify(map.map(), program);
+  expectRightAnswers(whole, all, kSamples);
+  const CertifyReport report = certified(program);
   EXPECT_TRUE(report.passed()) << program.name << "\n" << certifyText(report);
 }
 
@@ -71,18 +62,17 @@ TEST_P(NormCost, OfADoubleIntegratorIsComplete) {
   for (const double period : {0.1, 0.2, 0.25, 0.3, 0.5, 1.0}) {
     for (const int horizon : {2, 3, 4}) {
       SCOPED_TRACE("period " + std::to_string(period));
-      const ParametricProgram program = normCostMpc(integrators(2, period), GetParam(), horizon);
-      expectProven(program, 40);
+      expectRightAndProven(normCostMpc(integrators(2, period), GetParam(), horizon));
     }
   }
 }
 
 TEST_P(NormCost, OfAnOscillatorIsComplete) {
-  for (const double period : {0.1, 0.4}) expectProven(normCostMpc(oscillator(period), GetParam(), 3), 40);
+  for (const double period : {0.1, 0.4}) expectRightAndProven(normCostMpc(oscillator(period), GetParam(), 3));
 }
 
 TEST_P(NormCost, OfATripleIntegratorIsComplete) {
-  expectProven(normCostMpc(integrators(3, 0.5), GetParam(), 2), 40);
+  expectRightAndProven(normCostMpc(integrators(3, 0.5), GetParam(), 2));
 }
 
 INSTANTIATE_TEST_SUITE_P(Norms, NormCost, ::testing::Values(CostNorm::kOne, CostNorm::kInfinity));

@@ -1,7 +1,6 @@
 // Memory that runs out ends a tool with one line and exit code 2, in GMP and in threads too.
 #include "polyfly_base/out_of_memory.hpp"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -64,35 +63,26 @@ TEST(OutOfMemory, OfAWorkerComesToTheCaller) {
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // Programs that may take so little memory, from what does to load them up to more than they need.
-class LittleMemory : public testing::Test {
+class LittleMemory : public ToolTest {
  protected:
   void SetUp() override {
     getrlimit(RLIMIT_AS, &before_);
-    writeBytes(path("toy.json"), kToy);
-    ASSERT_EQ(run(0, {OFFLINE_MPT_PROGRAM, "solve", path("toy.json"), "-o", path("toy.map")}).exit_code, 0);
-    ASSERT_EQ(
-        run(0, {OFFLINE_MPT_PROGRAM, "verify", path("toy.map"), "--exact", "--certificate", path("proof")})
-            .exit_code,
-        0);
-  }
-
-  std::string path(const std::string& name) const { return folder_.path(name); }
-
-  Outcome run(rlim_t megabytes, const std::vector<std::string>& arguments) const {
-    rlimit limit = before_;
-    if (megabytes > 0) limit.rlim_cur = megabytes << 20U;
-    setrlimit(RLIMIT_AS, &limit);
-    const pid_t child = startProgram(arguments, path("."));
-    setrlimit(RLIMIT_AS, &before_);
-    return waitForProgram(child, path("."));
+    write("toy.json", kToy);
+    output("solve toy.json -o toy.map");
+    output("verify toy.map --exact --certificate proof");
   }
 
   // Done, or out of memory in one line. A program that could not be loaded is none that ran.
-  void expectAnswers(const std::string& tool, const std::vector<std::string>& arguments) const {
+  void expectAnswers(const std::string& program, const std::string& line) const {
+    const std::string tool = std::filesystem::path(program).filename();
     bool done = false;
     for (rlim_t megabytes = 16; megabytes <= 1024; megabytes += megabytes / 4) {
-      const Outcome result = run(megabytes, arguments);
-      constexpr int kNotLoaded = 127;
+      rlimit limit = before_;
+      limit.rlim_cur = megabytes << 20U;
+      setrlimit(RLIMIT_AS, &limit);
+      const pid_t child = start(splitAtBlanks(program, line));
+      setrlimit(RLIMIT_AS, &before_);
+      const Outcome result = wait(child);
       if (result.exit_code == kNotLoaded) continue;
       done = result.exit_code == 0;
       if (done) continue;
@@ -104,25 +94,16 @@ class LittleMemory : public testing::Test {
     EXPECT_TRUE(done);
   }
 
-  // min z^2/2 - (a + b) z, |z| <= 1: three regions
-  static constexpr const char* kToy = R"({"name": "toy", "H": [[1.0]], "f": [0.0], "F": [[-1.0, -1.0]],
-    "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
-    "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
-
-  ScratchFolder folder_;
   rlimit before_{};
 };
 
 TEST_F(LittleMemory, EndsTheSolverAndItsVerificationInWords) {
   // A run that ends in the tree leaves a checkpoint.
-  expectAnswers("offline_mpt", {OFFLINE_MPT_PROGRAM, "solve", path("toy.json"), "-o", path("again.map"),
-                                "--quiet", "--threads", "4", "--force"});
-  expectAnswers("offline_mpt", {OFFLINE_MPT_PROGRAM, "verify", path("toy.map"), "--exact", "--threads", "4"});
+  expectAnswers(OFFLINE_MPT_PROGRAM, "solve toy.json -o again.map --quiet --threads 4 --force");
+  expectAnswers(OFFLINE_MPT_PROGRAM, "verify toy.map --exact --threads 4");
 }
 
-TEST_F(LittleMemory, EndsTheCheckerInWords) {
-  expectAnswers("check_certificate", {CHECK_CERTIFICATE, path("proof"), "--map", path("toy.map")});
-}
+TEST_F(LittleMemory, EndsTheCheckerInWords) { expectAnswers(CHECK_CERTIFICATE, "proof --map toy.map"); }
 #endif
 
 }  // namespace

@@ -1,13 +1,8 @@
 // What the program `offline_mpt` writes into: links, FIFOs, devices, and never what it reads.
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "run_program.hpp"
 
@@ -15,121 +10,83 @@ namespace polyfly {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
 
-// min z^2/2 - (a + b) z, |z| <= 1: three regions
-const char* const kToy = R"({"name": "toy", "H": [[1.0]], "f": [0.0], "F": [[-1.0, -1.0]],
-    "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
-    "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
-
-class OutputCommand : public testing::Test {
+class OutputCommand : public ToolTest {
  protected:
   void SetUp() override {
-    fs::create_directory(work_);
-    writeBytes(problem_, kToy);
-    writeBytes(path("thetas.csv"), "0,0\n");
-    ASSERT_EQ(run({"solve", problem_, "-o", map_}).exit_code, 0);
+    write("toy.json", kToy);
+    write("thetas.csv", "0,0\n");
+    output("solve toy.json -o toy.map");
   }
 
-  std::string path(const std::string& name) const { return work_ + "/" + name; }
-
-  Outcome run(Words arguments) const {
-    arguments.insert(arguments.begin(), OFFLINE_MPT_PROGRAM);
-    return waitForProgram(startProgram(std::move(arguments), folder_.path(".")), folder_.path("."));
-  }
-
-  /// One line on standard error with these words; nothing is left behind.
-  void expectRefused(const Words& arguments, const std::string& words) const {
-    const std::size_t before = fileCount();
-    const Outcome result = run(arguments);
-    EXPECT_EQ(result.exit_code, 2) << result.out << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(words), std::string::npos) << words << " in: " << result.err;
-    EXPECT_EQ(fileCount(), before) << "a file was left behind";
-  }
-
-  std::size_t fileCount() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(work_), fs::directory_iterator()));
-  }
-
-  ScratchFolder folder_;
-  const std::string work_ = folder_.path("work");
-  const std::string problem_ = path("toy.json");
-  const std::string map_ = path("toy.map");
+  void expectNameOfItsOwn(const std::string& line) const { expectRefused(line, {"name of its own"}); }
 };
 
 TEST_F(OutputCommand, KeepsItsInputsUnderAnyNameAndItsOutputsApart) {
   fs::create_symlink("toy.json", path("link.map"));
-  fs::create_hard_link(problem_, path("hard.json"));
+  fs::create_hard_link(path("toy.json"), path("hard.json"));
   fs::create_directory_symlink(".", path("here"));
-  const std::string bytes = readBytes(map_);
-  for (const Words& arguments : std::vector<Words>{
-           {"solve", problem_, "-o", path("link.map")},
-           {"solve", problem_, "-o", path("new.map"), "--stats", path("here/new.map")},
-           {"solve", problem_, "-o", path("new.map"), "--stats", path("new.map.checkpoint")},
-           {"solve", problem_, "-o", path("new.map"), "--stats", path("hard.json")},
-           {"reduce", map_, "-o", path("new.map"), "--stats", path("new"), "--certificate", path("./new")},
-           {"verify", map_, "--exact", "--certificate", path("new"), "--json", path("./new")},
-           {"verify", map_, "--reduced-from", map_, "--certificate", path("new"), "--json", path("./new")},
-           {"eval", map_, "--csv", path("thetas.csv"), "-o", path("here/thetas.csv")},
-           {"explore", map_, "--samples", path("thetas.csv"), "-o", path("here/thetas.csv")},
-           {"plot", map_, "--slice", "theta_0,theta_1", "-o", path("here/toy.map")}})
-    expectRefused(arguments, "name of its own");
-  EXPECT_EQ(readBytes(problem_), kToy);
-  EXPECT_EQ(readBytes(map_), bytes);
+  const std::string bytes = text("toy.map");
+  for (const std::string& line :
+       Words{"solve toy.json -o toy.json", "solve toy.json -o " + path("toy.json"),
+             "solve toy.json -o link.map", "solve toy.json -o new.map --stats ./toy.json",
+             "solve toy.json -o new.map --stats new.map", "solve toy.json -o new.map --stats here/new.map",
+             "solve toy.json -o new.map --stats new.map.checkpoint",
+             "solve toy.json -o new.map --stats hard.json", "reduce toy.map -o toy.map",
+             "reduce toy.map -o new.map --stats new --certificate ./new",
+             "verify toy.map --problem toy.json --json toy.json",
+             "verify toy.map --exact --certificate toy.map",
+             "verify toy.map --exact --certificate new --json ./new",
+             "verify toy.map --reduced-from toy.map --certificate new --json ./new",
+             "eval toy.map --csv thetas.csv -o here/thetas.csv", "explore toy.map -o toy.map",
+             "explore toy.map --samples thetas.csv -o here/thetas.csv",
+             "plot toy.map --slice theta_0,theta_1 -o here/toy.map"})
+    expectNameOfItsOwn(line);
+  EXPECT_EQ(text("toy.json"), kToy);
+  EXPECT_EQ(text("toy.map"), bytes);
 }
 
 // A problem in YAML may name other files, which it reads too.
 TEST_F(OutputCommand, KeepsTheFilesThatAProblemCites) {
-  writeBytes(path("tracking.yaml"), "calibration: [../work/flight.yaml]\n");
-  writeBytes(path("robust.yaml"),
-             "model:\n  disturbances:\n    - {name: d, range: {from: flight.yaml, name: d}}\n");
-  writeBytes(path("flight.yaml"), "kind: disturbance\n");
+  write("tracking.yaml", "calibration: [../work/flight.yaml]\n");
+  write("robust.yaml", "model:\n  disturbances:\n    - {name: d, range: {from: flight.yaml, name: d}}\n");
+  write("flight.yaml", "kind: disturbance\n");
   for (const std::string name : {"tracking.yaml", "robust.yaml"}) {
-    expectRefused({"solve", path(name), "-o", path("flight.yaml")}, "name of its own");
-    expectRefused({"verify", map_, "--problem", path(name), "--json", path("flight.yaml")},
-                  "name of its own");
-    expectRefused({"bounds", path(name), path("thetas.csv"), "--json", path("flight.yaml")},
-                  "name of its own");
+    expectNameOfItsOwn("solve " + name + " -o flight.yaml");
+    expectNameOfItsOwn("verify toy.map --problem " + name + " --json flight.yaml");
+    expectNameOfItsOwn("bounds " + name + " thetas.csv --json flight.yaml");
   }
-  expectRefused({"bounds", path("robust.yaml"), path("thetas.csv"), "--json", path("thetas.csv")},
-                "name of its own");
+  expectNameOfItsOwn("bounds robust.yaml thetas.csv --json thetas.csv");
 }
 
 // A map is read back; a checkpoint is written in any order.
 TEST_F(OutputCommand, NeedsAFileForMapsAndCheckpoints) {
-  const std::string fifo = path("fifo"), device = path("device");
-  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  fs::create_symlink("/dev/full", device);
+  ASSERT_EQ(mkfifo(path("fifo").c_str(), 0600), 0);
+  fs::create_symlink("/dev/full", path("device"));
   fs::create_symlink("/dev/full", path("new.map.checkpoint"));
-  for (const std::string& place : {fifo, device}) {
-    expectRefused({"solve", problem_, "-o", place}, place + ": must be a file");
-    expectRefused({"reduce", map_, "-o", place}, place + ": must be a file");
-    expectRefused({"verify", map_, "--exact", "--repair", "-o", place}, place + ": must be a file");
+  for (const std::string place : {"fifo", "device"}) {
+    expectRefused("solve toy.json -o " + place, {place + ": must be a file"});
+    expectRefused("reduce toy.map -o " + place, {place + ": must be a file"});
+    expectRefused("verify toy.map --exact --repair -o " + place, {place + ": must be a file"});
   }
-  expectRefused({"solve", problem_, "-o", path("new.map"), "--force"}, "new.map.checkpoint: must be a file");
-  EXPECT_TRUE(fs::is_fifo(fifo));
-  EXPECT_TRUE(fs::is_symlink(device));
+  expectRefused("solve toy.json -o new.map --force", {"new.map.checkpoint: must be a file"});
+  EXPECT_TRUE(fs::is_fifo(path("fifo")));
+  EXPECT_TRUE(fs::is_symlink(path("device")));
 }
 
 TEST_F(OutputCommand, WritesTextsIntoAFifo) {
-  const std::string fifo = path("fifo");
-  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_EQ(mkfifo(path("fifo").c_str(), 0600), 0);
+  const int reader = open(path("fifo").c_str(), O_RDONLY | O_NONBLOCK);
   ASSERT_GE(reader, 0);
-  for (const Words& arguments :
-       std::vector<Words>{{"solve", problem_, "-o", path("other.map"), "--stats", fifo},
-                          {"reduce", map_, "-o", path("small.map"), "--stats", fifo},
-                          {"reduce", map_, "-o", path("small.map"), "--certificate", fifo},
-                          {"verify", map_, "--samples", "10", "--json", fifo},
-                          {"verify", map_, "--exact", "--json", fifo},
-                          {"verify", map_, "--exact", "--certificate", fifo},
-                          {"eval", map_, "--csv", path("thetas.csv"), "-o", fifo}}) {
-    const Outcome result = run(arguments);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* const line :
+       {"solve toy.json -o other.map --stats fifo", "reduce toy.map -o small.map --stats fifo",
+        "reduce toy.map -o small.map --certificate fifo", "verify toy.map --samples 10 --json fifo",
+        "verify toy.map --exact --json fifo", "verify toy.map --exact --certificate fifo",
+        "eval toy.map --csv thetas.csv -o fifo"}) {
+    output(line);
     char bytes[65536];
-    EXPECT_GT(read(reader, bytes, sizeof bytes), 10) << arguments[0];
-    EXPECT_TRUE(fs::is_fifo(fifo)) << arguments[0];
+    EXPECT_GT(read(reader, bytes, sizeof bytes), 10) << line;
+    EXPECT_TRUE(fs::is_fifo(path("fifo"))) << line;
   }
   close(reader);
 }
@@ -137,9 +94,9 @@ TEST_F(OutputCommand, WritesTextsIntoAFifo) {
 TEST_F(OutputCommand, WritesWhatALinkLeadsTo) {
   fs::create_directory(path("maps"));
   fs::create_symlink("maps/toy.map", path("link.map"));
-  ASSERT_EQ(run({"solve", problem_, "-o", path("link.map")}).exit_code, 0);
+  output("solve toy.json -o link.map");
   EXPECT_TRUE(fs::is_symlink(path("link.map")));
-  EXPECT_EQ(readBytes(path("maps/toy.map")), readBytes(map_));
+  EXPECT_EQ(text("maps/toy.map"), text("toy.map"));
 }
 
 }  // namespace

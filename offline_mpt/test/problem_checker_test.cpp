@@ -13,6 +13,7 @@
 #include "problem/program_match.hpp"
 #include "problem/signals.hpp"
 #include "program_matrices.hpp"
+#include "project_root.hpp"
 
 namespace polyfly {
 namespace {
@@ -268,7 +269,7 @@ TEST(ProblemChecker, RefusesAChangedProgramOfEachFile) {
   std::mt19937 random(5);
   for (const char* const name : {"multirotor_lateral", "multirotor_vertical", "lateral_speed_limit",
                                  "look_ahead/vertical", "look_ahead/lateral", "reference/lateral_asl"}) {
-    const std::string path = std::string(PROBLEMS) + "/" + name + ".yaml", text = readText(path);
+    const std::string path = problemFile(std::string(name) + ".yaml"), text = readText(path);
     const checker::TrackingProblem problem = checker::readTrackingProblem(text);
     const checker::ExpectedProgram expected = checker::expectedProgram(problem);
     const checker::Matrices right = matricesOf(condense(parseProblem(text, path)));

@@ -1,110 +1,72 @@
 // A problem with a soft bound on a state itself, from the file to the proof, and the commands that rewrite problems.
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <vector>
-
-#include "reference_data.hpp"
+#include "grid_map.hpp"
+#include "region_maps/write_map.hpp"
 #include "run_program.hpp"
 
 namespace polyfly {
 namespace {
 
-class ProblemCommands : public testing::Test {
+constexpr char kSpeedLimit[] = "problems/lateral_speed_limit.yaml";
+
+class ProblemCommands : public ToolTest {
  protected:
-  std::string path(const std::string& name) const { return folder_.path(name); }
-
-  Outcome tool(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), OFFLINE_MPT_PROGRAM);
-    return waitForProgram(startProgram(std::move(arguments), path(".")), path("."));
+  void expectSolved(const std::string& problem, const std::string& map) const {
+    EXPECT_EQ(output("solve " + problem + " --quiet -o " + map), "");
   }
-  Outcome check(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), CHECK_CERTIFICATE);
-    return waitForProgram(startProgram(std::move(arguments), path(".")), path("."));
+  /// A certificate is written, and confirmed with these options.
+  void expectProven(const std::string& map, const std::string& options = "") const {
+    output("verify " + map + " --exact --certificate proof.cert");
+    const Outcome checked = check("proof.cert --map " + map + options);
+    EXPECT_EQ(checked.exit_code, 0) << checked.err;
   }
-
-  static void expectPart(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
-  }
-
-  ScratchFolder folder_;
 };
 
 TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenAndReduced) {
-  const std::string problem = problemFile("lateral_speed_limit.yaml");
-  const Outcome solved = tool({"solve", problem, "-o", path("speed.map")});
+  const Outcome solved = run(std::string("solve -o speed.map ") + kSpeedLimit);
   ASSERT_EQ(solved.exit_code, 0) << solved.err;
-  expectPart(solved.out, ": soft bound v_y: exceeded by at most ");
-  expectPart(solved.out, " m/s in a prediction, at theta = (");
-  expectPart(solved.out, "; linear weight 400");
+  for (const char* part : {": soft bound v_y: exceeded by at most ", " m/s in a prediction, at theta = (",
+                           "; linear weight 400", "complete, 181 regions"})
+    EXPECT_TRUE(holds(solved.out, part));
   EXPECT_EQ(solved.err, "");
-  const std::string notes = tool({"info", path("speed.map")}).out;
-  expectPart(notes, "  soft bound v_y: exceeded by at most ");
-
-  const Outcome sampled = tool({"verify", path("speed.map"), "--problem", problem, "--samples", "500"});
-  EXPECT_EQ(sampled.exit_code, 0) << sampled.out;
-  const Outcome proven = tool({"verify", path("speed.map"), "--exact", "--certificate", path("speed.cert")});
-  ASSERT_EQ(proven.exit_code, 0) << proven.out;
-  EXPECT_EQ(check({path("speed.cert"), "--map", path("speed.map")}).exit_code, 0);
+  EXPECT_TRUE(holds(output("info speed.map"), "  soft bound v_y: exceeded by at most "));
+  output(std::string("verify speed.map --samples 500 --problem ") + kSpeedLimit);
+  expectProven("speed.map");
   // A refusal names the file that is wrong.
-  const Outcome swapped = check({path("speed.map"), "--map", path("speed.cert")});
+  const Outcome swapped = check("speed.map --map proof.cert");
   EXPECT_EQ(swapped.exit_code, 1);
-  expectPart(swapped.err, "speed.cert: refused: not a region map");
-  expectPart(check({path("speed.map"), "--map", path("speed.map")}).err,
-             "speed.map: refused: not a certificate");
-  expectPart(check({path("speed.cert"), "--map", path("speed.map"), "--problem", path("speed.map")}).err,
-             "speed.map: refused: the problem file is not the one");
-
-  const Outcome reduced =
-      tool({"reduce", path("speed.map"), "-o", path("small.map"), "--certificate", path("small.cert")});
-  ASSERT_EQ(reduced.exit_code, 0) << reduced.err;
-  const Outcome confirmed =
-      check({path("small.cert"), "--map", path("small.map"), "--reduced-from", path("speed.map")});
+  EXPECT_TRUE(holds(swapped.err, "proof.cert: refused: not a region map"));
+  EXPECT_TRUE(holds(check("speed.map --map speed.map").err, "speed.map: refused: not a certificate"));
+  EXPECT_TRUE(holds(check("proof.cert --map speed.map --problem speed.map").err,
+                    "speed.map: refused: the problem file is not the one"));
+  output("reduce speed.map -o small.map --certificate small.cert");
+  const Outcome confirmed = check("small.cert --map small.map --reduced-from speed.map");
   EXPECT_EQ(confirmed.exit_code, 0) << confirmed.err;
-  expectPart(solved.out, "complete, 181 regions");
 }
 
 TEST_F(ProblemCommands, SolveWarnsOfASlackForEachStage) {
-  const std::string file = path("stages.yaml");
-  std::ifstream shared_slack(problemFile("lateral_speed_limit.yaml"));
-  std::string text{std::istreambuf_iterator<char>(shared_slack), {}};
+  std::string stages = text(kSpeedLimit);
   const std::string shared = ", slack: horizon";
-  std::ofstream(file) << text.replace(text.find(shared), shared.size(), "");
-  const Outcome limited = tool({"solve", file, "-o", path("stages.map"), "--region-limit", "200"});
-  EXPECT_EQ(limited.exit_code, 3) << limited.err;
-  expectPart(limited.err, "the soft bound v_y has 20 slacks, which may multiply the regions");
+  write("stages.yaml", stages.replace(stages.find(shared), shared.size(), ""));
   // The generic form keeps the names of the slacks.
-  ASSERT_EQ(tool({"condense", file, "-o", path("stages.json")}).exit_code, 0);
-  const Outcome generic =
-      tool({"solve", path("stages.json"), "-o", path("generic.map"), "--region-limit", "200"});
-  EXPECT_EQ(generic.exit_code, 3) << generic.err;
-  expectPart(generic.err, "the soft bound v_y has 20 slacks, which may multiply the regions");
+  output("condense stages.yaml -o stages.json");
+  for (const std::string file : {"stages.yaml", "stages.json"})
+    EXPECT_TRUE(holds(complaint("solve -o stages.map --force --region-limit 200 " + file, 3),
+                      "the soft bound v_y has 20 slacks, which may multiply the regions"));
 }
 
 TEST_F(ProblemCommands, ACondensedProblemHasTheSameMap) {
-  const std::string problem = problemFile("lateral_speed_limit.yaml");
-  const Outcome condensed = tool({"condense", problem, "-o", path("speed.json")});
-  ASSERT_EQ(condensed.exit_code, 0) << condensed.err;
-  expectPart(condensed.out, "4 variables, ");
-  ASSERT_EQ(tool({"solve", path("speed.json"), "-o", path("generic.map"), "--quiet"}).exit_code, 0);
-  ASSERT_EQ(tool({"solve", problem, "-o", path("speed.map"), "--quiet"}).exit_code, 0);
-  const Outcome compared = tool({"diff", path("generic.map"), path("speed.map")});
-  EXPECT_EQ(compared.exit_code, 0) << compared.out << compared.err;
-  expectPart(tool({"info", path("generic.map")}).out, "v_y_ref");
+  EXPECT_TRUE(holds(output(std::string("condense -o speed.json ") + kSpeedLimit), "4 variables, "));
+  expectSolved("speed.json", "generic.map");
+  expectSolved(kSpeedLimit, "speed.map");
+  output("diff generic.map speed.map");
+  const std::string shown = output("info generic.map");
+  for (const char* part : {"v_y_ref", "period      0.1 s"}) EXPECT_TRUE(holds(shown, part));
   // The checker compares every number with the file, also those of u = E z + C theta + c.
-  ASSERT_EQ(tool({"verify", path("generic.map"), "--exact", "--certificate", path("generic.cert")}).exit_code,
-            0);
-  const std::vector<std::string> confirm = {path("generic.cert"), "--map", path("generic.map"), "--problem",
-                                            path("speed.json")};
-  EXPECT_EQ(check(confirm).exit_code, 0) << check(confirm).err;
-  expectPart(tool({"info", path("generic.map")}).out, "period      0.1 s");
+  expectProven("generic.map", " --problem speed.json");
 }
 
 TEST_F(ProblemCommands, TwoInputsStatesAndDisturbancesAsParametersAreProven) {
-  const std::string problem = path("table.yaml");
-  std::ofstream(problem) << R"(polyfly_problem: 1
+  write("table.yaml", R"(polyfly_problem: 1
 name: table
 type: tracking_mpc
 model:
@@ -130,19 +92,15 @@ parameters:
   - {name: v, role: state, of: v, unit: m/s, range: [-1.5, 1.5]}
   - {name: gust, role: disturbance, of: d, unit: m/s^2, range: [-0.3, 0.3]}
   - {name: p_goal, role: reference, of: p, unit: m, value: 0.5}
-)";
-  ASSERT_EQ(tool({"solve", problem, "-o", path("table.map"), "--quiet"}).exit_code, 0);
-  const Outcome sampled = tool({"verify", path("table.map"), "--problem", problem, "--samples", "500"});
-  EXPECT_EQ(sampled.exit_code, 0) << sampled.out;
-  const Outcome proven = tool({"verify", path("table.map"), "--exact", "--certificate", path("table.cert")});
-  ASSERT_EQ(proven.exit_code, 0) << proven.out;
-  EXPECT_EQ(check({path("table.cert"), "--map", path("table.map")}).exit_code, 0);
-  EXPECT_EQ(tool({"explore", path("table.map"), "-o", path("table.html")}).exit_code, 0);
+)");
+  expectSolved("table.yaml", "table.map");
+  output("verify table.map --problem table.yaml --samples 500");
+  expectProven("table.map");
+  output("explore table.map -o table.html");
 }
 
 TEST_F(ProblemCommands, ATerminalSetIsAddedOnce) {
-  const std::string problem = path("cart.yaml");
-  std::ofstream(problem) << R"(polyfly_problem: 1
+  write("cart.yaml", R"(polyfly_problem: 1
 name: cart
 type: tracking_mpc
 model:
@@ -159,17 +117,23 @@ constraints: [{of: v, range: [-1, 1]}]
 parameters:
   - {name: e_p, role: error, of: p, unit: m, range: [-4, 4]}
   - {name: e_v, role: error, of: v, unit: m/s, range: [-2, 2]}
-)";
-  const Outcome added = tool({"terminal_set", problem, "-o", path("stable.yaml")});
-  ASSERT_EQ(added.exit_code, 0) << added.err;
-  expectPart(added.out, "proven invariant");
-  EXPECT_EQ(tool({"solve", path("stable.yaml"), "-o", path("stable.map"), "--quiet"}).exit_code, 0);
-  const Outcome proven = tool({"verify", path("stable.map"), "--exact"});
-  EXPECT_EQ(proven.exit_code, 0) << proven.out;
-  const Outcome again = tool({"terminal_set", path("stable.yaml"), "-o", path("twice.yaml")});
-  EXPECT_EQ(again.exit_code, 2);
-  expectPart(again.err, "terminal_set: is given already");
-  EXPECT_EQ(tool({"terminal_set", path("speed.json"), "-o", path("x.yaml")}).exit_code, 2);
+)");
+  EXPECT_TRUE(holds(output("terminal_set cart.yaml -o stable.yaml"), "proven invariant"));
+  expectSolved("stable.yaml", "stable.map");
+  output("verify stable.map --exact");
+  expectRefused("terminal_set stable.yaml -o twice.yaml", {"terminal_set: is given already"});
+  expectRefused("terminal_set speed.json -o x.yaml");
+}
+
+TEST_F(ProblemCommands, DiffEndsWithTheAnswer) {
+  writeMap(gridMap(4, 2, {{0, 4, 0, 2, 'a'}}), path("first.map"));
+  writeMap(gridMap(4, 2, {{0, 4, 0, 2, 'b'}}), path("second.map"));
+  output("diff first.map first.map");
+  output("diff first.map second.map --tolerance 0.1");
+  EXPECT_TRUE(holds(output("diff first.map second.map --json report.json", 1), "different answers"));
+  EXPECT_EQ(json("report.json")["different_pairs"], 1);
+  expectRefused("diff first.map second.map --json first.map");
+  expectRefused("diff first.map none.map");
 }
 
 }  // namespace

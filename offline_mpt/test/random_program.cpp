@@ -43,6 +43,10 @@ void appendRow(ParametricProgram& program, const Eigen::VectorXd& a, double b, c
   program.S.row(m) = s;
 }
 
+void appendMultiple(ParametricProgram& program, int row, double factor) {
+  appendRow(program, factor * program.A.row(row), factor * program.b(row), factor * program.S.row(row));
+}
+
 void outputAllVariables(ParametricProgram& program) {
   const int n = program.variableCount();
   program.E = Eigen::MatrixXd::Identity(n, n);

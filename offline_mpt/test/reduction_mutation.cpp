@@ -1,18 +1,16 @@
 #include "reduction_mutation.hpp"
 
 #include "reduction.hpp"
+#include "refusal_of.hpp"
 
 namespace polyfly {
 
 std::string reductionRefusal(const std::string& certificate, const std::string& reduced,
                              const std::string& original) {
-  try {
+  return refusalOf([&] {
     const checker::Map reduced_map(reduced), original_map(original);
     checker::Reduction(certificate, reduced_map, original_map).check();
-  } catch (const checker::Refused& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good) {

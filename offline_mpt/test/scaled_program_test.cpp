@@ -5,14 +5,11 @@
 
 #include <cmath>
 
-#include "map_in_memory.hpp"
 #include "norm_cost_programs.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "offline_mpt/verify.hpp"
 #include "random.hpp"
 #include "random_program.hpp"
+#include "solved_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -54,14 +51,12 @@ void expectSameAnswers(const Partition& expected, const Partition& found, const 
   for (const CriticalRegion& region : expected.regions) {
     const Eigen::VectorXd u = region.K * region.centre + region.k;
     const Eigen::VectorXd theta = region.centre / units.parameters;
-    int held = 0;
-    for (const CriticalRegion& other : found.regions) {
-      if ((other.G * theta - other.g).maxCoeff() > 0.0) continue;
-      ++held;
+    const std::vector<CriticalRegion> held = holders(found, theta, 0.0);
+    EXPECT_EQ(held.size(), 1u);
+    for (const CriticalRegion& other : held) {
       const Eigen::VectorXd difference = (other.K * theta + other.k) * units.outputs - u;
       EXPECT_LT(difference.cwiseAbs().maxCoeff(), kSame * std::max(1.0, u.cwiseAbs().maxCoeff()));
     }
-    EXPECT_EQ(held, 1);
   }
 }
 
@@ -134,8 +129,7 @@ TEST(Units, OfEachVariable) {
     }
     const Partition found = explore(program);
     expectSameAnswers(expected, found, Units());
-    const MapInMemory map(encode(program, found));
-    const CertifyReport report = certify(map.map(), program);
+    const CertifyReport report = certified(found, program);
     EXPECT_TRUE(linear || report.passed()) << certifyText(report);
   }
 }
@@ -165,14 +159,12 @@ TEST(Units, OfACappedSum) {
       ASSERT_EQ(partition.status, ExploreStatus::kComplete) << most;
       for (const double share : {0.3, 0.9, 1.7, 2.5, 2.9}) {
         const Eigen::VectorXd theta = Eigen::VectorXd::Constant(1, share * most);
-        int held = 0;
-        for (const CriticalRegion& region : partition.regions) {
-          if ((region.G * theta - region.g).maxCoeff() > 0.0) continue;
-          ++held;
+        const std::vector<CriticalRegion> held = holders(partition, theta, 0.0);
+        EXPECT_EQ(held.size(), 1u) << most << " " << share;
+        for (const CriticalRegion& region : held) {
           const Eigen::VectorXd z = region.K * theta + region.k;
           EXPECT_NEAR(z.sum(), std::min(share, 1.0 * n) * most, 1e-12 * most);
         }
-        EXPECT_EQ(held, 1) << most << " " << share;
       }
     }
   }

@@ -4,13 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "map_in_memory.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mutation.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "project_root.hpp"
 #include "random.hpp"
 #include "soft_problems.hpp"
 #include "verify/strict_qp.hpp"
@@ -46,16 +43,6 @@ void expectRightAtRandomParameters(const RegionMap& map, const ParametricProgram
   }
 }
 
-void expectProvenAndConfirmed(const ParametricProgram& program, unsigned seed) {
-  const MapContent content = encode(program, explore(program));
-  ASSERT_EQ(content.solver_status, "complete");
-  const MapInMemory memory(content);
-  const CertifyReport report = certify(memory.map(), program);
-  ASSERT_TRUE(report.passed()) << certifyText(report);
-  EXPECT_EQ(refusal(report.certificate, memory.bytes()), "");
-  expectRightAtRandomParameters(memory.map(), program, seed);
-}
-
 struct Kind {
   const char* name;
   ProblemTraits traits;
@@ -68,7 +55,9 @@ TEST_P(MadeProblems, AreProvenAndConfirmed) {
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const std::string text = madeProblem(GetParam().traits, seed);
     SCOPED_TRACE(text);
-    expectProvenAndConfirmed(condense(parseProblem(text, "made.yaml")), seed);
+    const ParametricProgram program = condense(parseProblem(text, "made.yaml"));
+    proven(program);
+    expectRightAtRandomParameters(MapInMemory(solved(program)).map(), program, seed);
   }
 }
 
@@ -82,14 +71,13 @@ INSTANTIATE_TEST_SUITE_P(Kinds, MadeProblems,
 // Planes of one facet that differed by 2e-10 between its two regions left a wedge, at a side of the box, that no leaf
 // answered within the tolerance.
 TEST(SoftSpeedLimit, AWedgeBetweenTwoPlanesOfOneFacetIsAnswered) {
-  std::string text = readText(std::string(PROBLEMS) + "/lateral_speed_limit.yaml");
+  std::string text = readText(problemFile("lateral_speed_limit.yaml"));
   const std::string weights = "linear: 400, quadratic: 40";
   const std::size_t at = text.find(weights);
   ASSERT_NE(at, std::string::npos);
   text.replace(at, weights.size(), "linear: 40, quadratic: 4");
   const ParametricProgram program = condense(parseProblem(text, "speed_limit.yaml"));
-  const MapContent content = encode(program, explore(program));
-  const MapInMemory memory(content);
+  const MapInMemory memory(solved(program));
   const CertifyReport report = certify(memory.map(), program);
   EXPECT_TRUE(report.passed()) << certifyText(report);
   EXPECT_LT(report.plane_error, 1e-10);

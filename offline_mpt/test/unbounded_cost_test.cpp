@@ -6,13 +6,10 @@
 #include <atomic>
 
 #include "glpk_lp.hpp"
-#include "map_in_memory.hpp"
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "offline_mpt/verify.hpp"
 #include "random.hpp"
 #include "random_program.hpp"
+#include "solved_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -96,10 +93,7 @@ Seen expectRightPlaces(const ParametricProgram& program, const Partition& partit
     const int status = glpkStatus(program, theta);
     seen.finite += status == GLP_OPT;
     seen.unbounded += status == GLP_UNBND;
-    const bool held = std::any_of(
-        partition.regions.begin(), partition.regions.end(),
-        [&](const CriticalRegion& region) { return (region.G * theta - region.g).maxCoeff() <= 1e-8; });
-    EXPECT_EQ(held, status == GLP_OPT)
+    EXPECT_EQ(holders(partition, theta, 1e-8).empty(), status != GLP_OPT)
         << program.name << " at " << theta.transpose() << ", GLPK says " << status;
   }
   return seen;

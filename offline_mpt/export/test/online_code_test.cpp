@@ -241,9 +241,8 @@ TEST(OnlineCode, TheWorkspaceHasTheStatedSize) {
     const OnlineCode code = tryOnline(program, named(type), uniformIn(program, 10, 1));
     save(folder, code);
     // An array of a negative size does not compile.
-    saveText(folder, "size.c",
-             "#include \"code.h\"\nextern char size[sizeof(code_workspace) == " +
-                 std::to_string(workspaceBytes(code)) + "u ? 1 : -1];\n");
+    saveText(folder.file("size.c"), "#include \"code.h\"\nextern char size[sizeof(code_workspace) == " +
+                                        std::to_string(workspaceBytes(code)) + "u ? 1 : -1];\n");
     EXPECT_EQ(runCommand(folder, "gcc -std=c99 -c size.c"), 0) << logOf(folder);
   }
 }

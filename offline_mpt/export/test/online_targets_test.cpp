@@ -53,7 +53,7 @@ TEST_P(OnlineOnCortexM4, ItsOwnTestPassesAndSeesChangedLimits) {
   };
   EXPECT_EQ(run(), 0) << logOf(folder);
   for (double& limit : code.tables.limits) limit *= 1.01;
-  saveText(folder, "code.c", onlineSource(code.tables, code.options));
+  saveText(folder.file("code.c"), onlineSource(code.tables, code.options));
   EXPECT_GT(run(), 0) << logOf(folder);
 }
 

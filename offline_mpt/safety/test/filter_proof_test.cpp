@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "../../test/scratch_folder.hpp"
 #include "made_filters.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
@@ -16,6 +15,7 @@
 #include "safety_filter/prove_filter.hpp"
 #include "safety_filter/safe_set.hpp"
 #include "safety_filter/uncertain_model.hpp"
+#include "scratch_folder.hpp"
 
 namespace polyfly {
 namespace {
@@ -125,8 +125,8 @@ class FilterMap : public ::testing::Test {
     return encode(program, explore(program));
   }
   RegionMap written(const MapContent& content) {
-    writeMap(content, scratch_.path("made.map"));
-    return RegionMap::open(scratch_.path("made.map"));
+    writeMap(content, scratch_.file("made.map"));
+    return RegionMap::open(scratch_.file("made.map"));
   }
   ScratchFolder scratch_;
 };

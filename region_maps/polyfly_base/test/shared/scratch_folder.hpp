@@ -46,12 +46,20 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-inline std::vector<std::byte> readBytes(const std::string& path) {
+/// All of a file; nothing where it cannot be read.
+inline std::string fileText(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  std::vector<std::byte> bytes(text.size());
-  for (std::size_t i = 0; i < text.size(); ++i) bytes[i] = static_cast<std::byte>(text[i]);
-  return bytes;
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
+inline void saveText(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+inline std::vector<std::byte> readBytes(const std::string& path) {
+  const std::string text = fileText(path);
+  const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
+  return {bytes, bytes + text.size()};
 }
 
 }  // namespace polyfly

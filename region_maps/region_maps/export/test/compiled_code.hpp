@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
@@ -24,14 +23,7 @@ inline int runCommand(const ScratchFolder& folder, const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-inline std::string logOf(const ScratchFolder& folder) {
-  std::ifstream in(folder.file("log"));
-  return std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-}
-
-inline void saveText(const ScratchFolder& folder, const std::string& name, const std::string& text) {
-  std::ofstream(folder.file(name)) << text;
-}
+inline std::string logOf(const ScratchFolder& folder) { return fileText(folder.file("log")); }
 
 /// The rules of MISRA C that cppcheck finds broken in the folder's code.c, whose numbers are floats at most. `macros` are
 /// further options of cppcheck.

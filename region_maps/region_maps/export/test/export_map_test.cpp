@@ -39,9 +39,9 @@ ExportBound noError(const RegionMap& map) {
 }
 
 void saveCode(const ScratchFolder& folder, const RegionMap& map, const ExportOptions& options) {
-  saveText(folder, options.name + ".c", exportSource(map, options));
-  saveText(folder, options.name + ".h", exportHeader(map, options, noError(map)));
-  saveText(folder, options.name + "_test.c", exportTest(map, options, noError(map)));
+  saveText(folder.file(options.name + ".c"), exportSource(map, options));
+  saveText(folder.file(options.name + ".h"), exportHeader(map, options, noError(map)));
+  saveText(folder.file(options.name + "_test.c"), exportTest(map, options, noError(map)));
 }
 
 /// Status, region, and each bit of u.
@@ -135,7 +135,7 @@ TEST(ExportMapTest, ItsOwnTestPassesAndSeesAChangedLaw) {
   const std::string build = std::string("gcc -std=c99 ") + kStrict + "code.c code_test.c -o code && ./code";
   EXPECT_EQ(runCommand(folder, build), 0) << logOf(folder);
   content.laws[1] += 1e-12;
-  saveText(folder, "code.c", exportSource(MadeMap(content).map, codeOptions()));
+  saveText(folder.file("code.c"), exportSource(MadeMap(content).map, codeOptions()));
   EXPECT_GT(runCommand(folder, build), 0);
 }
 

@@ -82,10 +82,10 @@ class ExportTargets : public testing::Test {
     options.type = type;
     const double error = boundOf(type);
     const ExportBound bound = {std::vector<double>(map.inputs.size(), error), error, {}, {}};
-    saveText(folder, "code.c", exportSource(made.map, options));
+    saveText(folder.file("code.c"), exportSource(made.map, options));
     if (test_is_saved) return;
-    saveText(folder, "code.h", exportHeader(made.map, options, bound));
-    saveText(folder, "code_test.c", exportTest(made.map, options, bound));
+    saveText(folder.file("code.h"), exportHeader(made.map, options, bound));
+    saveText(folder.file("code_test.c"), exportTest(made.map, options, bound));
   }
 
   /// The code of the map, then that of a changed law against the same test.
