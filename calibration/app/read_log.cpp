@@ -13,7 +13,6 @@
 #include "bags/recording_share.hpp"
 #include "calibrate_commands.hpp"
 #include "command_line/command_line.hpp"
-#include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
 #include "identification/flight_phases.hpp"
@@ -148,7 +147,6 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
   options.topics = arguments.topics;
   options.name_space = arguments.name_space;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
-  if (!arguments.quiet) options.ask = promptIfTerminal();
   BagSignals bag = signalsFromBag(path, options);
   *provenance = provenanceOf(path);
   provenance->recorded = arguments.recorded;

@@ -36,12 +36,7 @@ constexpr Pattern kPatterns[] = {
     {"vz", "vd", "mps", -1.0},
     {"vn", "vn", "mps"},
     {"ve", "ve", "mps"},
-    {"airspeed", "tas ias airspeed", "mps"},
-    {"gyro_x", "wx gx roll_rate rollrate", "radps degps"},
-    {"gyro_y", "wy gy pitch_rate pitchrate", "radps degps"},
-    {"gyro_z", "wz gz", "radps degps"},
-    {"height", "height z alt", "m"},
-    {"height", "down", "m", -1.0}};
+    {"gyro_z", "gz", "radps degps"}};
 
 std::vector<std::string> wordsOf(const char* list) {
   std::istringstream words(list);

@@ -36,7 +36,7 @@ constexpr double kFrameFactor = 1.3;
 
 using Sentences = std::vector<std::string>;
 
-void judgeScale(const AxisModel& model, Sentences* warnings) {
+void judgeScale(const AxisModel& model, const AxisRecords& records, Sentences* warnings) {
   if (model.with_delay.find("gain")->greatest() < 0.0) {
     warnings->emplace_back(
         "The response goes against the command: the sign or the frame (y left or right, z up or down) of one "
@@ -48,7 +48,8 @@ void judgeScale(const AxisModel& model, Sentences* warnings) {
     return size > value / kDegreeMargin && size < value * kDegreeMargin;
   };
   if (near(kDegree) || near(1.0 / kDegree)) {
-    warnings->push_back(sentence("The gain is %.4g: one of command and response is in degrees.", size));
+    warnings->push_back(sentence("The gain is %.4g: one of command and response is in degrees; ", size) +
+                        (size > 1.0 ? records.response_help : records.command_help) + ".");
   } else {
     warnings->push_back(sentence(
         "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
@@ -151,7 +152,7 @@ std::string leadSentence(double lead) {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {
   std::vector<std::string> warnings;
-  judgeScale(model, &warnings);
+  judgeScale(model, records, &warnings);
   judgeFrame(model, records, &warnings);
   judgeClock(model, bounds, &warnings);
   judgeData(model, &warnings);

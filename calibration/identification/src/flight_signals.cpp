@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 
@@ -132,7 +133,7 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals) {
   return remarks;
 }
 
-bool isAuxiliary(const std::string& name) { return name.compare(0, 5, "gyro_") == 0 || name == "height"; }
+bool isAuxiliary(const std::string& name) { return name.compare(0, 5, "gyro_") == 0; }
 
 namespace {
 
@@ -187,6 +188,8 @@ AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis) {
   }
   records.unit = records.command_unit = axis == "yaw_rate" ? "rad/s" : "rad";
   records.training.response = signals.at(axis);
+  records.command_help = otherUnit(signals, axis + "_cmd");
+  records.response_help = otherUnit(signals, axis);
   const std::string other = axis == "roll" ? "pitch_cmd" : "roll_cmd";
   if (axis != "yaw_rate" && signals.has(other)) records.other_command = cleaned(signals.at(other));
   return records;

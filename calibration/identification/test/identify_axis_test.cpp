@@ -62,10 +62,14 @@ TEST(IdentifyAxis, WarnsOfAWrongSign) {
   EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "against the command"));
 }
 
-TEST(IdentifyAxis, WarnsOfDegrees) {
+TEST(IdentifyAxis, WarnsOfDegreesAndNamesTheOptionThatHelps) {
   AxisRecords records = madeAxis({}, 1);
+  records.command_help = "the command's option";
+  records.response_help = "the response's option";
   for (double& value : records.training.response.value) value *= 57.2957795;
-  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "degrees"));
+  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "degrees; the response's option"));
+  for (double& value : records.training.command.value) value *= 57.2957795 * 57.2957795;
+  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "degrees; the command's option"));
 }
 
 TEST(IdentifyAxis, WarnsOfAnotherScale) {

@@ -19,6 +19,9 @@ struct AxisRecords {
   std::string unit;
   /// Unit of the command: rad or rad/s. For thrust it is the logged unit.
   std::string command_unit;
+  /// Clauses on the options that take command or response for another unit.
+  std::string command_help;
+  std::string response_help;
   LoopRecord training;
   std::optional<LoopRecord> validation;
   /// Command of the axis that would answer if frames were wrong, in the same flight.
