@@ -105,22 +105,22 @@ void judgeClock(const AxisModel& model, const FitOptions& bounds, Sentences* war
   if (model.lead > 0.0) warnings->push_back(leadSentence(model.lead));
 }
 
-void judgeData(const AxisModel& model, Sentences* warnings) {
+void judgeData(const AxisModel& model, const AxisRecords& records, Sentences* warnings) {
   if (model.validation &&
       model.validation->validation_percent < model.validation->training_percent - kDropFit) {
     warnings->push_back(
         sentence("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
                  model.validation->training_percent, model.validation->validation_percent));
   }
-  const auto total =
-      static_cast<double>(model.record.response.time.size() + model.record.command.time.size());
-  const auto not_finite = static_cast<double>(model.cleaning.not_finite);
-  const auto out_of_order = static_cast<double>(model.cleaning.out_of_order);
-  if (not_finite + out_of_order > kManyLeftOut * total) {
+  const auto samples = [](const LoopRecord& record) {
+    return static_cast<double>(record.response.time.size() + record.command.time.size());
+  };
+  const double all = samples(records.training);
+  const double left_out = all - samples(model.record);
+  if (left_out > kManyLeftOut * all) {
     warnings->push_back(
-        sentence("%.0f samples were left out because they are not finite, and %.0f because their time does "
-                 "not increase.",
-                 not_finite, out_of_order));
+        sentence("%.0f of %.0f samples were left out: they are not finite, or their times do not increase.",
+                 left_out, all));
   }
   // What was left out because the response does not follow, against what was used.
   if (model.usedTime() < kFollowedShare * model.movingTime()) {
@@ -155,7 +155,7 @@ std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& rec
   judgeScale(model, records, &warnings);
   judgeFrame(model, records, &warnings);
   judgeClock(model, bounds, &warnings);
-  judgeData(model, &warnings);
+  judgeData(model, records, &warnings);
   return warnings;
 }
 

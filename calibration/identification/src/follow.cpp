@@ -161,9 +161,7 @@ void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, Excitation
     if (!usual) return;
     std::vector<TimeWindow> left = keptOf(choice->windows, cells, *usual);
     if (left.empty()) return;
-    const bool same =
-        std::equal(left.begin(), left.end(), kept.begin(), kept.end(),
-                   [](const TimeWindow& a, const TimeWindow& b) { return a.from == b.from && a.to == b.to; });
+    const bool same = left == kept;
     kept = std::move(left);
     if (same) break;
     model = tryFit(record, kept, options);

@@ -28,7 +28,6 @@ struct AxisRecords {
   std::optional<TimeSeries> other_command;
   /// Vertical velocity in the same flight, up positive, for the thrust loop only [m/s].
   std::optional<TimeSeries> vertical_velocity;
-  CleaningCounts cleaning;
 };
 
 struct IdentifyOptions {
@@ -47,7 +46,6 @@ struct AxisModel {
   std::string unit;
   std::string command_unit;
   std::string source;
-  CleaningCounts cleaning;
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;
