@@ -20,91 +20,69 @@ struct AttitudeArguments : LogArguments {
   IdentifyOptions options;
 };
 
-bool holds(const ReadFlight& flight, const std::string& axis) {
-  const std::vector<std::string> axes = recordedAxes(flight.signals);
+bool holds(const FlightSignals& flight, const std::string& axis) {
+  const std::vector<std::string> axes = recordedAxes(flight);
   return std::find(axes.begin(), axes.end(), axis) != axes.end();
 }
 
-// The axes that any of the flights holds, in the order of recordedAxes.
-std::vector<std::string> axesOf(const std::vector<ReadFlight>& flights) {
-  std::vector<std::string> axes;
-  for (const std::string axis : {"roll", "pitch", "yaw_rate", "thrust"}) {
-    if (std::any_of(flights.begin(), flights.end(),
-                    [&axis](const auto& flight) { return holds(flight, axis); }))
-      axes.push_back(axis);
-  }
-  return axes;
-}
-
-// One axis of all flights that hold it. Throws Error.
-std::vector<AxisFlightRecords> recordsOf(const std::vector<ReadFlight>& flights,
+// One axis of all flights that hold it, with a remark on each of several that does not. Throws Error.
+std::vector<AxisFlightRecords> recordsOf(const std::vector<FlightSignals>& flights,
                                          const std::vector<std::vector<TimeWindow>>& windows,
                                          const std::optional<FlightSignals>& validation,
-                                         const std::string& axis) {
+                                         const std::string& axis, std::vector<std::string>* remarks) {
   std::vector<AxisFlightRecords> all;
   for (std::size_t i = 0; i < flights.size(); ++i) {
-    if (flights.size() > 1 && !holds(flights[i], axis)) continue;
-    all.push_back({axisRecords(flights[i].signals, axis), windows[i]});
+    if (flights.size() > 1 && !holds(flights[i], axis)) {
+      remarks->push_back(flights[i].source + ": holds no " + axis + " together with its command");
+      continue;
+    }
+    all.push_back({axisRecords(flights[i], axis), windows[i]});
     if (validation) all.back().records.validation = axisRecords(*validation, axis).training;
   }
   if (all.empty()) throw Error("no flight holds " + axis + " together with its command");
   return all;
 }
 
-// Sentences on what each flight lacks, with its file. Of axes that are asked for: on each of several flights that
-// does not hold one.
-std::vector<std::string> missingIn(const std::vector<ReadFlight>& flights,
-                                   const std::vector<std::string>& asked) {
-  std::vector<std::string> sentences;
-  for (const ReadFlight& flight : flights) {
-    const std::string file = flight.signals.source + ": ";
-    if (asked.empty()) {
-      for (const std::string& sentence : missingAxes(flight.signals)) sentences.push_back(file + sentence);
-    }
-    for (const std::string& axis : asked) {
-      if (flights.size() > 1 && !holds(flight, axis))
-        sentences.push_back(file + "holds no " + axis + " together with its command");
+// The axes that any of the flights holds; notes on what each lacks. Throws Error where there is none.
+std::vector<std::string> axesOf(const std::vector<FlightSignals>& flights,
+                                std::vector<std::string>* remarks) {
+  std::vector<std::string> axes;
+  for (const std::string axis : {"roll", "pitch", "yaw_rate", "thrust"}) {
+    if (std::any_of(flights.begin(), flights.end(),
+                    [&axis](const FlightSignals& flight) { return holds(flight, axis); }))
+      axes.push_back(axis);
+  }
+  std::string why;
+  for (const FlightSignals& flight : flights) {
+    why += (why.empty() ? "" : "; ") + flight.source + ": holds no command together with its response";
+    for (const std::string& sentence : missingAxes(flight)) {
+      remarks->push_back(flight.source + ": " + sentence);
+      why += "; " + sentence;
     }
   }
-  return sentences;
-}
-
-std::string whyNoAxis(const std::vector<ReadFlight>& flights) {
-  std::string text;
-  for (const ReadFlight& flight : flights) {
-    text +=
-        (text.empty() ? "" : "; ") + flight.signals.source + ": holds no command together with its response";
-    for (const std::string& sentence : missingAxes(flight.signals)) text += "; " + sentence;
-  }
-  return text;
+  if (axes.empty()) throw Error(why);
+  return axes;
 }
 
 AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   IdentifyOptions options = arguments.options;
   options.validation_windows = parseWindows(arguments.validation_windows);
   AttitudeCalibration calibration;
-  const std::vector<ReadFlight> flights = readFlights(arguments, &calibration.remarks);
+  const std::vector<FlightSignals> flights = readFlights(arguments, &calibration);
   const auto windows = flightWindows(arguments.windows, flights.size());
-  for (const ReadFlight& flight : flights) {
-    calibration.training.push_back(flight.provenance);
-    calibration.lossy = calibration.lossy || flight.signals.lossy;
-  }
-  calibration.vehicle = vehicleOf(flights);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
     calibration.validation.emplace();
-    validation = readSignals(arguments.validation, arguments, &*calibration.validation, &calibration.remarks);
-    calibration.lossy = calibration.lossy || validation->lossy;
+    validation = readSignals(arguments.validation, arguments, &*calibration.validation, &calibration);
   }
-  const std::vector<std::string> axes = arguments.axes.empty() ? axesOf(flights) : arguments.axes;
-  const std::vector<std::string> missing = missingIn(flights, arguments.axes);
-  if (axes.empty()) throw Error(whyNoAxis(flights));
-  for (const std::string& sentence : missing) calibration.remarks.push_back(sentence);
+  const std::vector<std::string> axes =
+      arguments.axes.empty() ? axesOf(flights, &calibration.remarks) : arguments.axes;
   for (const std::string& axis : axes) {
+    options.second_order =
+        arguments.second_order || (axis == "roll" && calibration.vehicle.name == "fixed_wing");
     try {
-      options.second_order =
-          arguments.second_order || (axis == "roll" && calibration.vehicle.name == "fixed_wing");
-      calibration.axes.push_back(identifyFlights(recordsOf(flights, windows, validation, axis), options));
+      calibration.axes.push_back(
+          identifyFlights(recordsOf(flights, windows, validation, axis, &calibration.remarks), options));
     } catch (const Error& error) {
       calibration.failed.emplace_back(error.what());
     }

@@ -17,18 +17,15 @@ struct MotionArguments : LogArguments {
 
 // The motion of each flight, and what the page draws of a single one.
 std::vector<Motion> readMotions(const MotionArguments& arguments, MotionCalibration* calibration) {
-  const std::vector<ReadFlight> flights = readFlights(arguments, &calibration->remarks);
-  calibration->vehicle = vehicleOf(flights);
+  const std::vector<FlightSignals> flights = readFlights(arguments, calibration);
   calibration->windows = flightWindows(arguments.windows, flights.size());
   std::vector<Motion> motions;
-  for (const ReadFlight& flight : flights) {
+  for (const FlightSignals& flight : flights) {
     MotionOptions options = arguments.motion;
     options.windows = calibration->windows[motions.size()];
-    motions.push_back(motionOf(flight.signals, options));
-    calibration->lossy = calibration->lossy || flight.signals.lossy;
-    calibration->data.push_back(flight.provenance);
+    motions.push_back(motionOf(flight, options));
     for (const char* name : {"vx", "vy", "vz"}) {
-      if (flights.size() == 1) calibration->record.emplace_back(name, cleaned(flight.signals.at(name)));
+      if (flights.size() == 1) calibration->record.emplace_back(name, cleaned(flight.at(name)));
     }
   }
   return motions;

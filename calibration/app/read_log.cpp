@@ -13,7 +13,6 @@
 #include "bags/recording_share.hpp"
 #include "calibrate_commands.hpp"
 #include "command_line/command_line.hpp"
-#include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
 #include "identification/flight_phases.hpp"
@@ -148,7 +147,6 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
   options.topics = arguments.topics;
   options.name_space = arguments.name_space;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
-  if (!arguments.quiet) options.ask = promptIfTerminal();
   BagSignals bag = signalsFromBag(path, options);
   *provenance = provenanceOf(path);
   provenance->recorded = arguments.recorded;
@@ -162,8 +160,10 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
 }  // namespace
 
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
-                          std::vector<std::string>* remarks) {
+                          CalibrationFlights* calibration) {
+  std::vector<std::string>* remarks = &calibration->remarks;
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
+  calibration->lossy = calibration->lossy || signals.lossy;
   if (!arguments.vehicle.empty()) signals.vehicle = {arguments.vehicle, "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
   for (const std::string& remark : checkUnits(&signals, arguments.on_ground))
@@ -184,59 +184,60 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
 namespace {
 
 // Puts the pieces of recordings together: they are no flights of their own.
-std::vector<ReadFlight> piecedTogether(std::vector<ReadFlight> files, std::vector<std::string>* remarks) {
+std::vector<FlightSignals> piecedTogether(std::vector<FlightSignals> files, CalibrationFlights* calibration) {
+  const std::vector<Provenance> data = std::exchange(calibration->data, {});
   std::vector<TimeSpan> times;
-  for (const ReadFlight& file : files) {
-    const TimeWindow span = spanOf(file.signals);
+  for (const FlightSignals& file : files) {
+    const TimeWindow span = spanOf(file);
     times.push_back({span.from, span.to});
   }
-  std::vector<ReadFlight> flights;
+  std::vector<FlightSignals> flights;
   for (const std::vector<std::size_t>& pieces : recordingsOf(times)) {
     flights.push_back(std::move(files[pieces.front()]));
-    ReadFlight& flight = flights.back();
+    calibration->data.push_back(data[pieces.front()]);
     for (std::size_t piece = 1; piece < pieces.size(); ++piece) {
-      ReadFlight& next = files[pieces[piece]];
-      remarks->push_back(flight.signals.source + ": the recording was split and goes on in " +
-                         next.signals.source);
-      flight.provenance.file += ", " + next.provenance.file;
-      flight.provenance.checksum += ", " + next.provenance.checksum;
-      append(std::move(next.signals), &flight.signals);
+      FlightSignals& next = files[pieces[piece]];
+      calibration->remarks.push_back(flights.back().source + ": the recording was split and goes on in " +
+                                     next.source);
+      calibration->data.back().file += ", " + data[pieces[piece]].file;
+      calibration->data.back().checksum += ", " + data[pieces[piece]].checksum;
+      append(std::move(next), &flights.back());
     }
   }
   return flights;
 }
 
-}  // namespace
-
-std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks) {
-  std::vector<ReadFlight> flights;
-  for (const std::string& path : arguments.logs) {
-    ReadFlight flight;
-    flight.signals = readSignals(path, arguments, &flight.provenance, remarks);
-    for (const ReadFlight& other : flights) {
-      if (other.provenance.checksum == flight.provenance.checksum)
-        throw Error(path + ": is the same flight as " + other.signals.source);
+// Kind of the vehicle, as the flights that tell it agree.
+VehicleKind vehicleOf(const std::vector<FlightSignals>& flights) {
+  const FlightSignals* first = nullptr;
+  for (const FlightSignals& flight : flights) {
+    if (!flight.vehicle.isKnown()) continue;
+    if (first == nullptr) first = &flight;
+    if (flight.vehicle.name != first->vehicle.name) {
+      throw Error(flight.source + ": the vehicle is a " + flight.vehicle.name + " (" + flight.vehicle.reason +
+                  ") and that of " + first->source + " a " + first->vehicle.name + " (" +
+                  first->vehicle.reason + "); --vehicle states the kind");
     }
-    flights.push_back(std::move(flight));
   }
-  return piecedTogether(std::move(flights), remarks);
+  return first != nullptr ? first->vehicle : VehicleKind();
 }
 
-VehicleKind vehicleOf(const std::vector<ReadFlight>& flights) {
-  VehicleKind common;
-  std::string first;
-  for (const ReadFlight& flight : flights) {
-    const VehicleKind& own = flight.signals.vehicle;
-    if (!own.isKnown()) continue;
-    if (common.isKnown() && own.name != common.name) {
-      throw Error(flight.signals.source + ": the vehicle is a " + own.name + " (" + own.reason +
-                  ") and that of " + first + " a " + common.name + " (" + common.reason +
-                  "); --vehicle states the kind");
+}  // namespace
+
+std::vector<FlightSignals> readFlights(const LogArguments& arguments, CalibrationFlights* calibration) {
+  std::vector<FlightSignals> flights;
+  for (const std::string& path : arguments.logs) {
+    Provenance provenance;
+    flights.push_back(readSignals(path, arguments, &provenance, calibration));
+    for (std::size_t i = 0; i < calibration->data.size(); ++i) {
+      if (calibration->data[i].checksum == provenance.checksum)
+        throw Error(path + ": is the same flight as " + flights[i].source);
     }
-    common = own;
-    first = flight.signals.source;
+    calibration->data.push_back(provenance);
   }
-  return common;
+  flights = piecedTogether(std::move(flights), calibration);
+  calibration->vehicle = vehicleOf(flights);
+  return flights;
 }
 
 void checkResults(const LogArguments& arguments, const std::string& validation) {

@@ -40,19 +40,11 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 /// Signals of a flight in any form, with units settled and the stretches that are no flight; appends what was
 /// wrong with it, where its times jump, and those stretches. Throws Error.
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
-                          std::vector<std::string>* remarks);
+                          CalibrationFlights* calibration);
 
-/// A flight as it was read. The pieces of a recording that was split are one.
-struct ReadFlight {
-  FlightSignals signals;
-  Provenance provenance;
-};
-
-/// All flights of the arguments, in the order of their first files. Throws Error; also where a flight is named twice.
-std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks);
-
-/// Kind of the vehicle, as the flights that tell it agree. Throws Error where they differ.
-VehicleKind vehicleOf(const std::vector<ReadFlight>& flights);
+/// All flights of the arguments, in the order of their first files; the pieces of a recording that was split are one. Sets
+/// what the calibration says of them. Throws Error; also where a flight is named twice, or kinds of vehicles differ.
+std::vector<FlightSignals> readFlights(const LogArguments& arguments, CalibrationFlights* calibration);
 
 /// Before the work: throws Error where the result or its report cannot be written, or would take the place of
 /// one of the logs (empty names apart).

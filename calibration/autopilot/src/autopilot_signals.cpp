@@ -41,16 +41,12 @@ constexpr Places kPx4[] = {
     {"yaw", "-vehicle_attitude:q.yaw -vehicle_attitude:yaw"},
     {"yaw_rate", "-vehicle_angular_velocity:xyz[2] -vehicle_attitude:yawspeed -sensor_combined:gyro_rad[2]"},
     {"specific_force_z", "-sensor_combined:accelerometer_m_s2[2] -vehicle_acceleration:xyz[2]"},
-    {"gyro_x", "sensor_combined:gyro_rad[0] vehicle_angular_velocity:xyz[0]"},
-    {"gyro_y", "-sensor_combined:gyro_rad[1] -vehicle_angular_velocity:xyz[1]"},
     {"gyro_z", "-sensor_combined:gyro_rad[2]"},
-    {"height", "-vehicle_local_position:z"},
     {"vx", "vehicle_local_position:vy"},
     {"vy", "vehicle_local_position:vx"},
     {"vz", "-vehicle_local_position:vz"},
     {"vn", "vehicle_local_position:vx vehicle_global_position:vel_n"},
-    {"ve", "vehicle_local_position:vy vehicle_global_position:vel_e"},
-    {"airspeed", "airspeed_validated:true_airspeed_m_s airspeed:true_airspeed_m_s"}};
+    {"ve", "vehicle_local_position:vy vehicle_global_position:vel_e"}};
 
 constexpr Places kArduPilot[] = {{"roll_cmd", "ATT:DesRoll:deg ATT:RollIn:deg CTUN:NavRoll:deg"},
                                  {"pitch_cmd", "-ATT:DesPitch:deg -ATT:PitchIn:deg -CTUN:NavPitch:deg"},
@@ -61,16 +57,12 @@ constexpr Places kArduPilot[] = {{"roll_cmd", "ATT:DesRoll:deg ATT:RollIn:deg CT
                                  {"yaw_rate", "-RATE:Y:deg -RATE:Yaw:cdeg"},
                                  {"thrust_cmd", "CTUN:ThO CTUN:ThrOut"},
                                  {"specific_force_z", "-IMU:AccZ"},
-                                 {"gyro_x", "IMU:GyrX"},
-                                 {"gyro_y", "-IMU:GyrY"},
                                  {"gyro_z", "-IMU:GyrZ"},
-                                 {"height", "-XKF1:PD -NKF1:PD -EKF1:PD GPS:Alt"},
                                  {"vx", "XKF1:VE NKF1:VE EKF1:VE GPS:Spd.east"},
                                  {"vy", "XKF1:VN NKF1:VN EKF1:VN GPS:Spd.north"},
                                  {"vz", "-XKF1:VD -NKF1:VD -EKF1:VD -GPS:VZ -GPS:VelZ"},
                                  {"vn", "XKF1:VN NKF1:VN EKF1:VN GPS:Spd.north"},
-                                 {"ve", "XKF1:VE NKF1:VE EKF1:VE GPS:Spd.east"},
-                                 {"airspeed", "ARSP:Airspeed NTUN:Arspd"}};
+                                 {"ve", "XKF1:VE NKF1:VE EKF1:VE GPS:Spd.east"}};
 
 // One such place.
 struct Place {

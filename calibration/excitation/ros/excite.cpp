@@ -11,8 +11,7 @@ constexpr const char* kHelp =
     "Flies the manoeuvres of a plan that excite a vehicle's loops, as a ROS node.\n"
     "usage: excite _plan:=FILE [_PARAMETER:=VALUE ...]   the node; excitation/README.md lists its "
     "parameters\n"
-    "       excite --plan FILE                           prints duration and spectrum of a plan, without "
-    "ROS\n"
+    "       excite --plan FILE                           prints a plan and its duration, without ROS\n"
     "       excite --help\n";
 
 }  // namespace

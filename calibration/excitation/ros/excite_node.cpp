@@ -21,7 +21,6 @@ struct Setup {
   polyfly::ExcitationPlan plan;
   polyfly::ExcitationOptions options;
   bool require_engaged = true;
-  bool shutdown_when_done = false;
 };
 
 Setup readSetup(const ros::NodeHandle& private_handle) {
@@ -30,7 +29,6 @@ Setup readSetup(const ros::NodeHandle& private_handle) {
   setup.plan = polyfly::loadPlan(reader.requiredText("plan", "the path of a plan file"));
   polyfly::visitExcitation(setup.options, reader);
   reader("input/require_engaged", setup.require_engaged);
-  reader("output/shutdown_when_done", setup.shutdown_when_done);
   reader.refuseUnknown({"vehicle", "limits", "hold", "command", "wing", "input", "output"});
   return setup;
 }
@@ -55,7 +53,6 @@ ExciteNode::ExciteNode(const ros::NodeHandle& handle, const ros::NodeHandle& pri
         const Setup setup = readSetup(private_handle);
         options_ = setup.options;
         engaged_ = !setup.require_engaged;
-        shutdown_when_done_ = setup.shutdown_when_done;
         return polyfly::ExcitationFlight(setup.plan, setup.options);
       }()) {
   ROS_INFO_STREAM("excite:\n" << polyfly::describe(flight_.plan()));
@@ -138,7 +135,6 @@ void ExciteNode::publishState() {
                    told_state_ == polyfly::ExcitationState::kHandedOver;
   if (bad) ROS_WARN_STREAM("excite: " << message.data);
   if (!bad) ROS_INFO_STREAM("excite: " << message.data);
-  if (shutdown_when_done_ && told_state_ == polyfly::ExcitationState::kDone) ros::requestShutdown();
 }
 
 }  // namespace polyfly_ros

@@ -21,10 +21,6 @@ bool finite(const VehicleState& state) {
          state.attitude.coeffs().allFinite();
 }
 
-bool pulsed(const Manoeuvre& manoeuvre) {
-  return manoeuvre.shape == ExcitationShape::kTwoOneOne || manoeuvre.shape == ExcitationShape::kDoublet;
-}
-
 }  // namespace
 
 const char* nameOf(ExcitationState state) {
@@ -101,7 +97,7 @@ AttitudeCommand ExcitationFlight::step(const VehicleState& state) noexcept {
       command.roll = std::clamp(command.roll, -left, left);
     }
     if (running_ != before) frozen_ = command;
-    if (pulsed(manoeuvre)) {
+    if (manoeuvre.shape == ExcitationShape::kTwoOneOne) {
       command.roll = frozen_.roll;
       command.pitch = options_.wing ? command.pitch : frozen_.pitch;
     }

@@ -19,7 +19,7 @@ ExcitationPlan smallPlan() {
       "rest: 3\n"
       "manoeuvres:\n"
       "  - {shape: 2-1-1, channels: [roll, pitch], amplitudes: [0.1, 0.2]}\n"
-      "  - {shape: doublet, channels: [yaw_rate, thrust], amplitudes: 0.5}\n",
+      "  - {shape: 2-1-1, channels: [yaw_rate, thrust], amplitudes: 0.5}\n",
       "plan");
 }
 
@@ -168,7 +168,7 @@ TEST(ExcitationFlight, aWingRollsOnlyAndHoldsItsHeight) {
   wing.distance_max = 1000.0;
   EXPECT_THROW(ExcitationFlight(smallPlan(), wing), Error);
   ExcitationFlight flight(
-      parsePlan("rest: 1\nmanoeuvres: [{shape: doublet, channels: roll, amplitudes: 0.3}]", "plan"), wing);
+      parsePlan("rest: 1\nmanoeuvres: [{shape: 2-1-1, channels: roll, amplitudes: 0.3}]", "plan"), wing);
   VehicleState state = resting(1.0);
   state.velocity.x() = 15.0;
   flight.step(state);
@@ -190,7 +190,7 @@ TEST(ExcitationFlight, badOptionsAreRefused) {
   options = {};
   options.wing = true;  // it would leave the room of a multirotor within a second
   EXPECT_THROW(
-      ExcitationFlight(parsePlan("manoeuvres: [{shape: doublet, channels: roll, amplitudes: 0.3}]", "plan"),
+      ExcitationFlight(parsePlan("manoeuvres: [{shape: 2-1-1, channels: roll, amplitudes: 0.3}]", "plan"),
                        options),
       Error);
 }

@@ -1,43 +1,30 @@
 #include "identification/apply_options.hpp"
 
-#include <algorithm>
 #include <numeric>
-#include <utility>
+#include <string>
+#include <vector>
 
-#include "mpc_core/yaml_edits.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/provenance.hpp"
+#include "report/report.hpp"
+#include "report/yaml.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
-// Options by group, in the order in which they come.
-class OptionsText {
- public:
+// Options by group, and their fields.
+struct Options {
+  Json groups = Json::object();
+  std::vector<std::string> fields;
+
   void put(const std::string& group, const std::string& key, double value) {
-    auto found = std::find_if(groups_.begin(), groups_.end(),
-                              [&group](const auto& one) { return one.first == group; });
-    if (found == groups_.end()) found = groups_.insert(found, {group, {}});
-    found->second += "  " + key + ": " + eightDigits(value) + "\n";
-    fields_.push_back(group + "/" + key);
+    groups[group][key] = value;
+    fields.push_back(group + "/" + key);
   }
-
-  // Fields that were put since the last call.
-  std::vector<std::string> takeFields() { return std::exchange(fields_, {}); }
-
-  std::string text() const {
-    std::string text;
-    for (const auto& [group, lines] : groups_) text += group + ":\n" + lines;
-    return text;
-  }
-
- private:
-  std::vector<std::pair<std::string, std::string>> groups_;
-  std::vector<std::string> fields_;
 };
 
 // One message commands roll and pitch, so there is one delay: the mean of theirs.
-void putLoops(const CalibrationDocument& calibration, bool delayed, OptionsText* options) {
+void putLoops(const CalibrationDocument& calibration, bool delayed, Options* options) {
   std::vector<double> delays;
   for (const std::string axis : {"roll", "pitch"}) {
     if (!calibration.has({"axes", axis})) continue;
@@ -67,14 +54,14 @@ constexpr ParameterOption kParameterOptions[] = {{"drag", "drag_forward", "nonli
                                                  {"mass", "mass", "vehicle", "mass"},
                                                  {"mass", "hover_command", "output", "hover_thrust"}};
 
-void putParameters(const CalibrationDocument& calibration, OptionsText* options) {
+void putParameters(const CalibrationDocument& calibration, Options* options) {
   for (const ParameterOption& one : kParameterOptions) {
     if (calibration.kind() == one.kind && calibration.has({"parameters", one.parameter}))
       options->put(one.group, one.key, calibration.positiveParameter(one.parameter));
   }
 }
 
-void putRollLoop(const CalibrationDocument& calibration, bool delayed, OptionsText* options) {
+void putRollLoop(const CalibrationDocument& calibration, bool delayed, Options* options) {
   if (!calibration.has({"axes", "roll"})) return;
   const std::vector<std::string> place = {
       "axes", "roll", delayed ? "model_second_order" : "model_second_order_without_delay"};
@@ -88,13 +75,14 @@ void putRollLoop(const CalibrationDocument& calibration, bool delayed, OptionsTe
 }  // namespace
 
 std::string optionsBlock(const OptionsTarget& target, const std::vector<CalibrationFile>& calibrations) {
-  OptionsText options;
-  std::string provenance;
+  Options options;
+  std::vector<std::string> provenance;
   for (const CalibrationFile& file : calibrations) {
     const CalibrationDocument calibration(file);
     const std::string name = "the options of a " + target.vehicle;
     calibration.requireVehicle(target.vehicle, name);
     const bool attitude = calibration.kind() == "attitude";
+    options.fields.clear();
     if (target.vehicle == "fixed_wing") {
       if (attitude) putRollLoop(calibration, target.predicts_delay, &options);
     } else if (attitude) {
@@ -102,12 +90,12 @@ std::string optionsBlock(const OptionsTarget& target, const std::vector<Calibrat
     } else {
       putParameters(calibration, &options);
     }
-    const std::vector<std::string> fields = options.takeFields();
-    if (fields.empty())
+    if (options.fields.empty())
       throw Error(file.source + ": kind " + calibration.kind() + ": has nothing for " + name);
-    provenance += (provenance.empty() ? "" : "; ") + calibration.provenanceText(fields);
+    provenance.push_back(calibration.provenanceText(options.fields));
   }
-  return options.text() + "provenance: " + yamlString(provenance) + "\n";
+  options.groups["provenance"] = listOf(provenance, "; ");
+  return yamlText(options.groups);
 }
 
 }  // namespace polyfly

@@ -15,9 +15,6 @@ namespace {
 
 constexpr double kGravity = 9.8066;  // [m/s^2]
 constexpr const char* kRejectedColor = "#f6dcd3";
-// Of the models for a controller, in their order.
-constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen,
-                                        palette::kPurple};
 
 Json leftOut(const std::vector<RejectedWindow>& windows) {
   Json list = Json::array();
@@ -123,95 +120,56 @@ double startOf(const AxisModel& axis) {
   return std::min(axis.record.response.time.front(), axis.record.command.time.front());
 }
 
-Series curve(std::vector<double> x, std::vector<double> y, const std::string& label,
-             const std::string& color) {
-  Series series;
-  series.x = std::move(x);
-  series.y = std::move(y);
-  series.label = label;
-  series.color = color;
-  return series;
-}
-
-// Curves of all segments with a gap between them.
-Series ofSegments(const std::vector<LoopSegment>& segments, const std::vector<std::vector<double>>* values,
-                  const std::string& label, const std::string& color) {
-  Series series = curve({}, {}, label, color);
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const std::vector<double>& y = values != nullptr ? (*values)[i] : segments[i].response;
-    series.x.push_back(segments[i].time.front());
-    series.y.push_back(kNothing);
-    series.x.insert(series.x.end(), segments[i].time.begin(), segments[i].time.end());
-    series.y.insert(series.y.end(), y.begin(), y.end());
-  }
-  return series;
-}
-
-ReportSection selectionFigure(const AxisModel& axis) {
+ReportSection selectionFigure(const AxisModel& axis, const std::string& begin) {
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
   for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
   for (const RejectedWindow& rejected : axis.choice.rejected)
     panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
-  const TimeSeries& response = axis.record.response;
-  panel.series = {
-      thinned(withGaps(curve(response.time, response.value, "measured", kMeasuredColor)), kCurvePoints)};
+  panel.series = {curveOf(axis.record.response, "measured", kMeasuredColor)};
   if (axis.command_unit == axis.unit) {
-    const TimeSeries& command = axis.record.command;
-    Series series = curve(command.time, command.value, "command", palette::kVermilion);
-    series.style = Series::Style::kSteps;
-    panel.series.push_back(thinned(withGaps(series), kCurvePoints));
+    panel.series.push_back(curveOf(axis.record.command, "command", palette::kVermilion));
+    panel.series.back().style = Series::Style::kSteps;
   }
-  std::vector<Panel> panels = {panel};
-  countFrom(startOf(axis), &panels);
-  return pictured(
-      axis.axis + ": what was used",
-      "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.", panels,
-      row_height::kAlone);
+  return selectionSection(
+      begin + axis.axis + ": what was used",
+      "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.", panel,
+      startOf(axis));
 }
 
-// The models' predictions on segments, those of the fit or of the validation.
-ReportSection comparisonFigure(const std::string& heading, const std::string& caption, const AxisModel& axis,
-                               const std::vector<LoopSegment>& segments, bool validated) {
-  Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
-  Panel residuals = timePanel("", withUnit("measured − model", axis.unit));
-  Series measured = ofSegments(segments, nullptr, "measured", kMeasuredColor);
-  measured.width = 3.5;
-  panel.series = {thinned(measured, 2 * kCurvePoints)};
-  for (std::size_t i = 0; i < axis.controller_models.size(); ++i) {
-    const ControllerModel& one = axis.controller_models[i];
-    if (validated && !one.validation) continue;
-    const Series model = ofSegments(segments, validated ? &one.validation->prediction : &one.fit.prediction,
-                                    one.title, kModelColors[i % std::size(kModelColors)]);
-    Series residual = model;
-    for (std::size_t k = 0; k < residual.y.size(); ++k) residual.y[k] = measured.y[k] - model.y[k];
-    panel.series.push_back(thinned(model, 2 * kCurvePoints));
-    residuals.series.push_back(thinned(residual, 2 * kCurvePoints));
+// The models on segments, those of the fit or of the validation.
+Comparison comparisonOn(const AxisModel& axis, const std::vector<LoopSegment>& segments, bool validated) {
+  Comparison result = {axis.axis, axis.unit, {}, {}, {}};
+  const auto append = [](const std::vector<double>& part, std::vector<double>* all) {
+    all->insert(all->end(), part.begin(), part.end());
+  };
+  for (const LoopSegment& segment : segments) {
+    append(segment.time, &result.measured.time);
+    append(segment.response, &result.measured.value);
   }
-  std::vector<Panel> panels = {panel, residuals};
-  // Another flight has a clock of its own.
-  const double first = segments.front().time.front();
-  countFrom(first >= axis.record.response.time.front() ? startOf(axis) : first, &panels);
-  return pictured(heading, caption, panels, row_height::kPaired);
+  for (const ControllerModel& one : axis.controller_models) {
+    if (validated && !one.validation) continue;
+    result.models.emplace_back(one.title, std::vector<double>());
+    for (const std::vector<double>& part : validated ? one.validation->prediction : one.fit.prediction)
+      append(part, &result.models.back().second);
+  }
+  return result;
 }
 
 void addFigures(const AxisModel& axis, const std::string& begin, std::vector<ReportSection>* sections) {
-  std::vector<ReportSection> figures = {
-      selectionFigure(axis),
-      comparisonFigure(axis.axis + ": measured and modelled",
-                       "On the data that the models were made from; below, what they leave.", axis,
-                       axis.segments, false)};
-  if (axis.validation && !axis.validation->segments.empty()) {
-    const std::string models =
-        axis.validation->by_halves
-            ? "The models of the first half of the data on the second half, which they have not seen."
-            : "The models on " + axis.validation->source + ", which they have not seen.";
-    figures.push_back(
-        comparisonFigure(axis.axis + ": validation", models, axis, axis.validation->segments, true));
-  }
-  for (ReportSection& figure : figures) {
-    figure.heading = begin + figure.heading;
-    sections->push_back(std::move(figure));
-  }
+  sections->push_back(selectionFigure(axis, begin));
+  sections->push_back(comparisonSection(begin + axis.axis + ": measured and modelled",
+                                        "On the data that the models were made from; below, what they leave.",
+                                        comparisonOn(axis, axis.segments, false), startOf(axis)));
+  if (!axis.validation || axis.validation->segments.empty()) return;
+  const std::vector<LoopSegment>& segments = axis.validation->segments;
+  const std::string models = axis.validation->by_halves
+                                 ? "The models of the first half of the data on the second half"
+                                 : "The models on " + axis.validation->source;
+  // Another flight has a clock of its own.
+  const double first = axis.validation->by_halves ? startOf(axis) : segments.front().time.front();
+  sections->push_back(comparisonSection(begin + axis.axis + ": validation",
+                                        models + ", which they have not seen.",
+                                        comparisonOn(axis, segments, true), first));
 }
 
 // What controllers can be given, each with its own evaluation, and what each flight says.
@@ -264,10 +222,9 @@ std::string answerOf(const AxisModel& axis) {
 }
 
 Json jsonOf(const AttitudeCalibration& calibration) {
-  Json data = {{"training", jsonOf(calibration.training)}};
+  Json data = {{"training", jsonOf(calibration.data)}};
   if (calibration.validation) data["validation"] = jsonOf(std::vector<Provenance>{*calibration.validation});
-  Json out = calibrationHead("attitude", data, calibration.vehicle);
-  out["remarks"] = calibration.remarks;
+  Json out = calibrationHead("attitude", calibration, data);
   out["axes"] = Json::object();
   for (const AxisModel& axis : calibration.axes) out["axes"][axis.axis] = json(axis);
   if (!calibration.failed.empty()) out["failed"] = calibration.failed;
@@ -276,7 +233,7 @@ Json jsonOf(const AttitudeCalibration& calibration) {
 
 std::string toText(const AttitudeCalibration& calibration) {
   std::ostringstream out;
-  for (const std::string& sentence : calibration.remarks) out << "note: " << sentence << "\n";
+  out << notesOn(calibration);
   for (const AxisModel& axis : calibration.axes) {
     out << answerOf(axis) << "\n";
     for (const ControllerModel& model : axis.controller_models) {
@@ -293,14 +250,13 @@ std::string toText(const AttitudeCalibration& calibration) {
 }
 
 Report reportOn(const AttitudeCalibration& calibration) {
-  std::vector<std::string> reasons = calibration.remarks;
-  reasons.insert(reasons.end(), calibration.failed.begin(), calibration.failed.end());
+  std::vector<std::string> reasons = calibration.failed;
   for (const AxisModel& axis : calibration.axes) {
     for (const std::string& warning : axis.warnings) reasons.push_back(axis.axis + ": " + warning);
     if (!axis.supported)
       reasons.push_back(axis.axis + ": The model that problem files take is not supported: do not use it.");
   }
-  Report page = calibrationPage(calibration.training, reasons);
+  Report page = calibrationPage(calibration, reasons);
   for (const AxisModel& axis : calibration.axes) {
     addTables(axis, &page.sections);
     if (axis.flights.empty()) addFigures(axis, "", &page.sections);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -21,7 +21,7 @@ struct KnownType {
   // Must be in the name of the topic, if not empty.
   const char* topic;
   int rank;
-  // SIGNAL=FIELD, separated by blanks, as behind --signal.
+  // SIGNAL=FIELD, separated by blanks, as fieldUse reads it.
   const char* uses;
 };
 
@@ -36,40 +36,21 @@ constexpr KnownType kKnownTypes[] = {
     {"std_msgs/Float64", "thrust", 1, "thrust_cmd=data"},
     {"nav_msgs/Odometry", "", 0,
      "roll=pose.pose.orientation.roll pitch=pose.pose.orientation.pitch yaw=pose.pose.orientation.yaw "
-     "yaw_rate=twist.twist.angular.z height=pose.pose.position.z"},
+     "yaw_rate=twist.twist.angular.z vx=pose.pose.orientation*twist.twist.linear.x "
+     "vy=pose.pose.orientation*twist.twist.linear.y vz=pose.pose.orientation*twist.twist.linear.z"},
     {"sensor_msgs/Imu", "", 1,
      "roll=orientation.roll pitch=orientation.pitch yaw=orientation.yaw yaw_rate=angular_velocity.z "
-     "gyro_x=angular_velocity.x gyro_y=angular_velocity.y gyro_z=angular_velocity.z "
      "specific_force_z=linear_acceleration.z"},
     {"geometry_msgs/TransformStamped", "", 2,
-     "roll=transform.rotation.roll pitch=transform.rotation.pitch yaw=transform.rotation.yaw "
-     "height=transform.translation.z"},
+     "roll=transform.rotation.roll pitch=transform.rotation.pitch yaw=transform.rotation.yaw"},
     {"geometry_msgs/PoseStamped", "pose", 3,
-     "roll=pose.orientation.roll pitch=pose.orientation.pitch yaw=pose.orientation.yaw "
-     "height=pose.position.z"},
+     "roll=pose.orientation.roll pitch=pose.orientation.pitch yaw=pose.orientation.yaw"},
     {"geometry_msgs/TwistStamped", "velocity_local", 1,
      "vx=twist.linear.x vy=twist.linear.y vz=twist.linear.z"}};
 
-// A path of a number, or of a quaternion with the angle that is wanted of it.
-FieldUse fieldUse(const std::string& signal, const std::string& path, double scale) {
-  FieldUse use = {signal, path, "", scale};
-  for (const std::string angle : {"roll", "pitch", "yaw"}) {
-    if (!endsWith(path, "." + angle)) continue;
-    use.angle = angle;
-    use.path.resize(path.size() - angle.size() - 1);
-  }
-  return use;
-}
-
-std::vector<FieldUse> usesOf(const KnownType& known) {
-  std::vector<FieldUse> uses;
-  std::istringstream words(known.uses);
-  for (std::string word; words >> word;) {
-    const std::size_t equals = word.find('=');
-    uses.push_back(fieldUse(word.substr(0, equals), word.substr(equals + 1), 1.0));
-  }
-  return uses;
-}
+// Ranks of a place that the user chose, and what is added to that of a simulator's truth, which no controller saw.
+constexpr int kChosenRank = -1;
+constexpr int kTruthRank = 10;
 
 // Whether messages of this type on this topic are what the list means.
 bool isKnown(const KnownType& known, const BagConnection& connection) {
@@ -81,27 +62,7 @@ bool isKnown(const KnownType& known, const BagConnection& connection) {
   return connection.type == known.type && named(known.topic) && !asked;
 }
 
-constexpr int kTruthRank = 10;  // added to that of the type
-// Times by which two records of one message may differ [s].
-constexpr double kSameMessage = 0.1;
-
-// Whether two topics brought the same messages, of which at least one number changes.
-bool isRepeated(const std::map<std::string, TimeSeries>& one,
-                const std::map<std::string, TimeSeries>& other) {
-  bool changes = false;
-  if (one.size() != other.size()) return false;
-  for (const auto& [name, series] : one) {
-    const auto found = other.find(name);
-    if (found == other.end() || found->second.value != series.value) return false;
-    for (std::size_t i = 0; i < series.time.size(); ++i) {
-      if (std::abs(series.time[i] - found->second.time[i]) > kSameMessage) return false;
-      changes = changes || series.value[i] != series.value.front();
-    }
-  }
-  return changes;
-}
-
-// `topic:path` and its last part, if that is an angle.
+// `topic:path` of a signal.
 struct Choice {
   std::string topic;
   FieldUse use;
@@ -114,7 +75,7 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
   if (colon == std::string::npos || colon == 0 || colon + 1 == place.size()) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
-  return {place.substr(0, colon), fieldUse(signal, place.substr(colon + 1), chosen.factor())};
+  return {place.substr(0, colon), fieldUse(signal, place.substr(colon + 1), chosen.factor(), kChosenRank)};
 }
 
 // The namespace with a slash on both sides. Empty if none is given.
@@ -141,21 +102,16 @@ class Collector {
     visitor.progress = options_.progress;
     visitor.wants = [this](const BagConnection& connection) { return listen(connection); };
     visitor.message = [this](const BagMessage& message) {
-      for (Source& source : sources_.at(message.connection->topic)) source.reader->add(message);
+      readers_.at(message.connection->topic).add(message);
     };
     BagSignals result;
     result.health = scanBag(path_, visitor);
     result.signals.source = path_;
     if (result.health.messages == 0) {
-      std::string remarks;
-      for (const std::string& remark : result.health.remarks) remarks += "; " + remark;
-      throw Error(path_ + ": holds no message" + remarks);
+      const std::string why = listOf(result.health.remarks, "; ");
+      throw Error(path_ + ": holds no message" + (why.empty() ? "" : "; " + why));
     }
-    checkNamespace();
-    for (const Choice& choice : choices_) {
-      if (topics_.count(choice.topic) == 0)
-        throw Error(path_ + ": no topic " + choice.topic + "; there are " + topics());
-    }
+    checkTopics();
     const std::set<std::string> used = gather(&result);
     const std::string loss = lossSentence(recordingShare(result.health, used));
     if (!loss.empty()) result.health.remarks.push_back(loss);
@@ -167,120 +123,83 @@ class Collector {
   }
 
  private:
-  struct Source {
-    std::shared_ptr<TopicSignals> reader;
-    int rank = 0;
-    std::string type;
-  };
-
-  std::string topics() const {
-    std::string known;
-    for (const std::string& topic : topics_) known += (known.empty() ? "" : ", ") + topic;
-    return known;
+  bool isInNamespace(const std::string& topic) const {
+    return topic.compare(0, prefix_.size(), prefix_) == 0;
   }
-
-  bool isChosen(const std::string& signal) const { return options_.choice.count(signal) > 0; }
 
   // Whether the options admit a topic as a source of signals that they do not place.
   bool isHeard(const std::string& topic) const {
-    if (topic.compare(0, prefix_.size(), prefix_) != 0) return false;
-    return options_.topics.empty() ||
-           std::any_of(options_.topics.begin(), options_.topics.end(),
-                       [&topic](const std::string& ending) { return endsWith(topic, ending); });
+    return isInNamespace(topic) &&
+           (options_.topics.empty() ||
+            std::any_of(options_.topics.begin(), options_.topics.end(),
+                        [&topic](const std::string& ending) { return endsWith(topic, ending); }));
   }
 
-  // Whether the bag has a topic in the namespace.
-  void checkNamespace() const {
-    const bool any = std::any_of(topics_.begin(), topics_.end(), [this](const std::string& topic) {
-      return topic.compare(0, prefix_.size(), prefix_) == 0;
-    });
-    if (!any)
-      throw Error(path_ + ": no topic in the namespace " + options_.name_space + "; there are " + topics());
+  // Whether the bag has what the options name.
+  void checkTopics() const {
+    const std::string known = "; there are " + listOf(topics_);
+    if (std::none_of(topics_.begin(), topics_.end(),
+                     [this](const std::string& topic) { return isInNamespace(topic); }))
+      throw Error(path_ + ": no topic in the namespace " + options_.name_space + known);
+    for (const Choice& choice : choices_) {
+      if (topics_.count(choice.topic) == 0) throw Error(path_ + ": no topic " + choice.topic + known);
+    }
   }
 
   bool listen(const BagConnection& connection) {
     topics_.insert(connection.topic);
     // A second publisher of a topic brings messages of the same kind.
-    if (sources_.count(connection.topic) > 0)
-      return sources_.at(connection.topic).front().type == connection.type;
-    std::vector<Source> sources;
-    std::vector<FieldUse> chosen;
+    const auto before = readers_.find(connection.topic);
+    if (before != readers_.end()) return before->second.type() == connection.type;
+    std::vector<FieldUse> uses;
     for (const Choice& choice : choices_) {
-      if (choice.topic == connection.topic) chosen.push_back(choice.use);
+      if (choice.topic == connection.topic) uses.push_back(choice.use);
     }
-    constexpr int kChosen = -1;
-    if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
-    for (const KnownType& known : kKnownTypes) {
-      if (!isHeard(connection.topic) || !isKnown(known, connection)) continue;
-      std::vector<FieldUse> uses;
-      for (const FieldUse& use : usesOf(known)) {
-        if (!isChosen(use.signal)) uses.push_back(use);
-      }
-      const bool odometry = std::string(known.type) == "nav_msgs/Odometry";
-      // What a simulator knows is not what a controller saw.
+    const auto known = std::find_if(std::begin(kKnownTypes), std::end(kKnownTypes),
+                                    [&connection](const KnownType& one) { return isKnown(one, connection); });
+    if (known != std::end(kKnownTypes) && isHeard(connection.topic)) {
       const bool truth = connection.topic.find("ground_truth") != std::string::npos;
-      sources.push_back(source(connection, uses, odometry, known.rank + (truth ? kTruthRank : 0)));
-      break;
+      std::istringstream words(known->uses);
+      for (std::string word; words >> word;) {
+        const std::size_t equals = word.find('=');
+        const std::string signal = word.substr(0, equals);
+        if (options_.choice.count(signal) == 0)
+          uses.push_back(
+              fieldUse(signal, word.substr(equals + 1), 1.0, known->rank + (truth ? kTruthRank : 0)));
+      }
     }
-    if (sources.empty()) return false;
-    sources_[connection.topic] = sources;
-    return true;
-  }
-
-  Source source(const BagConnection& connection, const std::vector<FieldUse>& uses, bool velocity,
-                int rank) const {
+    if (uses.empty()) return false;
     try {
-      return {std::make_shared<TopicSignals>(connection, uses, velocity), rank, connection.type};
+      readers_.try_emplace(connection.topic, connection, std::move(uses));
     } catch (const Error& error) {
       throw Error(path_ + ": " + error.what());
     }
+    return true;
   }
 
+  // Where a signal comes from; and another topic that could give it as well.
   struct Winner {
-    const TopicSignals* reader = nullptr;
     std::string topic;
+    std::size_t use = 0;
     int rank = 0;
+    std::string other;
   };
 
-  // Sources whose messages repeat those of an earlier topic, with that topic.
-  using Repeats = std::map<const TopicSignals*, std::string>;
-
-  Repeats findRepeats() const {
-    Repeats repeats;
-    std::map<std::string, std::map<std::string, TimeSeries>> earlier;
-    for (const auto& [topic, sources] : sources_) {
-      for (const Source& one : sources) {
-        const bool is_steady = one.reader->clock().isSteady();
-        auto found = one.reader->series(0.0, is_steady ? SignalClock::kHeaders : SignalClock::kRecorder);
-        const auto same = std::find_if(earlier.begin(), earlier.end(), [&found](const auto& before) {
-          return isRepeated(before.second, found);
-        });
-        if (same != earlier.end()) {
-          repeats[one.reader.get()] = same->first;
-        } else {
-          earlier[topic] = std::move(found);
-        }
+  // The best source of each signal. Throws Error where there are two: only the user knows which.
+  std::map<std::string, Winner> winners() const {
+    std::map<std::string, Winner> best;
+    for (const auto& [topic, reader] : readers_) {
+      for (std::size_t i = 0; i < reader.uses().size() && !reader.isEmpty(); ++i) {
+        const FieldUse& use = reader.uses()[i];
+        const auto [found, is_new] = best.try_emplace(use.signal, Winner{topic, i, use.rank, ""});
+        if (!is_new && use.rank == found->second.rank) found->second.other = topic;
+        if (use.rank < found->second.rank) found->second = {topic, i, use.rank, ""};
       }
     }
-    return repeats;
-  }
-
-  // The best source of each signal; two of the same rank leave a question that only the user can answer.
-  std::map<std::string, Winner> winners(const Repeats& repeats) const {
-    std::map<std::string, Winner> best;
-    for (const auto& [topic, sources] : sources_) {
-      for (const Source& one : sources) {
-        if (repeats.count(one.reader.get()) > 0) continue;
-        for (const std::string& signal : one.reader->names()) {
-          const auto before = best.find(signal);
-          if (before != best.end()) {
-            if (before->second.rank < one.rank) continue;
-            if (before->second.rank == one.rank && preferred(signal, before->second.topic, topic) != topic)
-              continue;
-          }
-          best[signal] = {one.reader.get(), topic, one.rank};
-        }
-      }
+    for (const auto& [signal, winner] : best) {
+      if (!winner.other.empty())
+        throw Error(path_ + ": " + signal + " could come from " + winner.topic + " or from " + winner.other +
+                    ": choose with --namespace, with --topic, or with --signal " + signal + "=TOPIC:FIELD");
     }
     return best;
   }
@@ -302,11 +221,9 @@ class Collector {
   // A topic has the times of its headers. Where stamps cannot be used it has the recorder's; then the others keep their
   // stamps only if these are of the recorder's clock too. Returns the topics that give a signal.
   std::set<std::string> gather(BagSignals* result) const {
-    const Repeats repeats = findRepeats();
-    const std::map<std::string, Winner> best = winners(repeats);
-    // All readers of a topic have the same stamps.
+    const std::map<std::string, Winner> best = winners();
     std::map<std::string, HeaderClock> clocks;
-    for (const auto& [signal, winner] : best) clocks[winner.topic] = winner.reader->clock();
+    for (const auto& [signal, winner] : best) clocks[winner.topic] = readers_.at(winner.topic).clock();
     bool all_steady = true;
     double greatest_lead = 0.0;
     for (const auto& [topic, clock] : clocks) {
@@ -314,60 +231,38 @@ class Collector {
       if (clock.isSteady()) greatest_lead = std::max(greatest_lead, std::abs(clock.lead));
     }
     const bool one_clock = all_steady || greatest_lead <= kLeastClockStep;
-    const auto clock_of = [one_clock](const HeaderClock& clock) {
-      return clock.isSteady() && one_clock ? SignalClock::kHeaders : SignalClock::kRecorder;
+    const auto clock_of = [&](const std::string& topic) {
+      return clocks.at(topic).isSteady() && one_clock ? SignalClock::kHeaders : SignalClock::kRecorder;
     };
     const double start = result->health.first;
     for (const auto& [signal, winner] : best) {
       result->signals.series[signal] =
-          winner.reader->series(start, clock_of(clocks.at(winner.topic))).at(signal);
+          readers_.at(winner.topic).series(winner.use, start, clock_of(winner.topic));
       result->signals.origin[signal] = winner.topic;
     }
-    for (const auto& [topic, sources] : sources_) {
-      const auto repeated = repeats.find(sources.back().reader.get());
-      if (repeated != repeats.end()) {
-        result->health.remarks.push_back("topic " + topic + ": repeats " + repeated->second +
-                                         "; its messages count once");
-      }
+    std::set<std::string> used;
+    for (const auto& [topic, reader] : readers_) {
       const auto clock = clocks.find(topic);
       // Nothing is said of topics that are whole and not used.
-      if (clock == clocks.end() && !sources.front().reader->names().empty()) continue;
-      std::vector<std::string> clauses = sources.front().reader->remarks(start);
-      if (clock != clocks.end())
-        clauses.push_back(clauseOn(clock->second, clock_of(clock->second), greatest_lead));
-      std::string remark;
-      for (const std::string& clause : clauses)
-        remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;
-      if (!remark.empty()) result->health.remarks.push_back(remark);
+      if (clock == clocks.end() && !reader.isEmpty()) continue;
+      std::vector<std::string> clauses = reader.remarks(start);
+      if (clock != clocks.end()) {
+        used.insert(topic);
+        const std::string clause = clauseOn(clock->second, clock_of(topic), greatest_lead);
+        if (!clause.empty()) clauses.push_back(clause);
+      }
+      if (!clauses.empty()) result->health.remarks.push_back("topic " + topic + ": " + listOf(clauses, "; "));
     }
-    std::set<std::string> used;
-    for (const auto& [topic, clock] : clocks) used.insert(topic);
     return used;
-  }
-
-  // Which of two topics gives a signal; the answer holds for everything that both could give.
-  std::string preferred(const std::string& signal, const std::string& one, const std::string& other) const {
-    const auto pair = std::make_pair(one, other);
-    const auto known = answers_.find(pair);
-    if (known != answers_.end()) return known->second;
-    const std::string question = path_ + ": " + signal + " could come from " + one + " or from " + other;
-    std::optional<std::size_t> answer;
-    if (options_.ask) answer = options_.ask(question + ". Which?", {one, other});
-    if (!answer) {
-      throw Error(question + ": choose with --namespace, with --topic, or with --signal " + signal +
-                  "=TOPIC:FIELD");
-    }
-    return answers_[pair] = *answer == 0 ? one : other;
   }
 
   std::string path_;
   const BagSignalOptions& options_;
   // Beginning of the topics in the namespace, with slashes on both sides. Empty: all.
   std::string prefix_;
-  mutable std::map<std::pair<std::string, std::string>, std::string> answers_;
   std::vector<Choice> choices_;
   std::set<std::string> topics_;
-  std::map<std::string, std::vector<Source>> sources_;
+  std::map<std::string, TopicSignals> readers_;
 };
 
 }  // namespace

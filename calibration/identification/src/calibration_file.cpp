@@ -1,13 +1,25 @@
 #include "identification/calibration_file.hpp"
 
-namespace polyfly {
+#include <iterator>
 
-Json calibrationHead(const std::string& kind, const Json& data, const VehicleKind& vehicle) {
+#include "report/figures.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kMeasuredWidth = 3.5;  // [px]
+constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen,
+                                        palette::kPurple};
+
+}  // namespace
+
+Json calibrationHead(const std::string& kind, const CalibrationFlights& flights, const Json& data) {
   return {{"polyfly_calibration", 1},
           {"kind", kind},
           {"tool_version", kIdentificationVersion},
           {"data", data},
-          {"vehicle", {{"kind", vehicle.name}, {"reason", vehicle.reason}}}};
+          {"vehicle", {{"kind", flights.vehicle.name}, {"reason", flights.vehicle.reason}}},
+          {"remarks", flights.remarks}};
 }
 
 Json jsonOf(const std::vector<Provenance>& flights) {
@@ -23,17 +35,60 @@ Json jsonOf(const std::vector<TimeWindow>& windows) {
   return list;
 }
 
-Report calibrationPage(const std::vector<Provenance>& flights, const std::vector<std::string>& reasons) {
+Report calibrationPage(const CalibrationFlights& flights, const std::vector<std::string>& reasons) {
   Report page;
   page.title = "Calibration report";
-  for (const Provenance& flight : flights)
+  for (const Provenance& flight : flights.data)
     page.sources.push_back(flight.file + " · " + flight.checksum +
                            (flight.recorded.empty() ? "" : " · " + flight.recorded));
-  page.good = reasons.empty();
+  page.reasons = flights.remarks;
+  page.reasons.insert(page.reasons.end(), reasons.begin(), reasons.end());
+  page.good = page.reasons.empty();
   page.verdict =
       page.good ? "The data support these numbers" : "To be looked at before these numbers are used";
-  page.reasons = reasons;
   return page;
+}
+
+std::string notesOn(const CalibrationFlights& flights) {
+  std::string notes;
+  for (const std::string& remark : flights.remarks) notes += "note: " + remark + "\n";
+  return notes;
+}
+
+Series curveOf(const TimeSeries& series, const std::string& label, const std::string& color) {
+  Series curve;
+  curve.label = label;
+  curve.x = series.time;
+  curve.y = series.value;
+  curve.color = color;
+  return thinned(withGaps(std::move(curve)), kCurvePoints);
+}
+
+ReportSection selectionSection(const std::string& heading, const std::string& caption, Panel panel,
+                               double first) {
+  std::vector<Panel> panels = {std::move(panel)};
+  countFrom(first, &panels);
+  return pictured(heading, caption, panels, row_height::kAlone);
+}
+
+ReportSection comparisonSection(const std::string& heading, const std::string& caption, const Comparison& one,
+                                double first) {
+  Panel panel = timePanel("", withUnit(one.name, one.unit));
+  Panel left = timePanel("", withUnit("measured − model", one.unit));
+  panel.series = {curveOf(one.measured, "measured", kMeasuredColor)};
+  panel.series.front().width = kMeasuredWidth;
+  for (std::size_t i = 0; i < one.models.size(); ++i) {
+    const auto& [title, values] = one.models[i];
+    const char* color = kModelColors[i % std::size(kModelColors)];
+    panel.series.push_back(curveOf({one.measured.time, values}, title, color));
+    TimeSeries residual = one.measured;
+    for (std::size_t k = 0; k < values.size(); ++k) residual.value[k] -= values[k];
+    left.series.push_back(curveOf(residual, title, color));
+  }
+  left.bounds = one.bounds;
+  std::vector<Panel> panels = {panel, left};
+  countFrom(first, &panels);
+  return pictured(heading, caption, panels, row_height::kPaired);
 }
 
 }  // namespace polyfly

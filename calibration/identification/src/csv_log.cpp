@@ -10,6 +10,7 @@
 #include "polyfly_base/decimal.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_line.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -80,9 +81,7 @@ bool nextLine(std::istream& file, std::string* line, const std::string& path) {
 const std::vector<double>& CsvLog::column(const std::string& name) const {
   const auto found = columns.find(name);
   if (found != columns.end()) return found->second;
-  std::string known;
-  for (const std::string& other : names) known += (known.empty() ? "" : ", ") + other;
-  throw Error(path + ": no column " + name + "; there are " + known);
+  throw Error(path + ": no column " + name + "; there are " + listOf(names));
 }
 
 CsvLog readCsv(const std::string& path) {

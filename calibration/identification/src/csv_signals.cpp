@@ -1,17 +1,20 @@
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <optional>
 #include <sstream>
 
 #include "identification/csv_log.hpp"
 #include "identification/flight_signals.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
 
-// How a signal may be called in a table: one of the stems, and one of the units behind it; any unit, or none, where there
-// is no list. The first pattern that matches a column wins. `sign` turns z down into z up.
+// How a signal may be called in a table: one of the stems, and one of the units behind it, - for none; any unit, or none,
+// where there is no list. The first pattern that matches a column wins. `sign` turns z down into z up.
 struct Pattern {
   const char* signal;
   const char* stems;
@@ -36,12 +39,9 @@ constexpr Pattern kPatterns[] = {
     {"vz", "vd", "mps", -1.0},
     {"vn", "vn", "mps"},
     {"ve", "ve", "mps"},
-    {"airspeed", "tas ias airspeed", "mps"},
-    {"gyro_x", "wx gx roll_rate rollrate", "radps degps"},
-    {"gyro_y", "wy gy pitch_rate pitchrate", "radps degps"},
-    {"gyro_z", "wz gz", "radps degps"},
-    {"height", "height z alt", "m"},
-    {"height", "down", "m", -1.0}};
+    {"gyro_z", "gz", "radps degps"}};
+
+constexpr Pattern kTimes[] = {{"time", "t", "s"}, {"time", "t time timestamp stamp", "- s ms us ns"}};
 
 std::vector<std::string> wordsOf(const char* list) {
   std::istringstream words(list);
@@ -50,11 +50,13 @@ std::vector<std::string> wordsOf(const char* list) {
 
 bool matches(const Pattern& pattern, const std::string& column) {
   const std::vector<std::string> units = wordsOf(pattern.units);
+  const auto allows = [&units](const std::string& unit) {
+    return units.empty() || std::find(units.begin(), units.end(), unit) != units.end();
+  };
   for (const std::string& stem : wordsOf(pattern.stems)) {
-    if (column == stem) return units.empty();
-    if (column.compare(0, stem.size() + 1, stem + "_") != 0) continue;
-    if (units.empty()) return true;
-    if (std::find(units.begin(), units.end(), column.substr(stem.size() + 1)) != units.end()) return true;
+    if (column == stem && allows("-")) return true;
+    if (column.compare(0, stem.size() + 1, stem + "_") == 0 && allows(column.substr(stem.size() + 1)))
+      return true;
   }
   return false;
 }
@@ -63,124 +65,68 @@ double unitOf(const std::string& column) {
   return endsWith(column, "_deg") || endsWith(column, "_degps") ? kRadiansPerDegree : 1.0;
 }
 
-struct TimeUnit {
-  const char* ending;
-  double seconds;
-};
-constexpr TimeUnit kTimeUnits[] = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
-constexpr const char* kTimeStems[] = {"t", "time", "timestamp", "stamp"};
+std::string findColumn(const CsvLog& log, const Pattern& pattern) {
+  const auto found = std::find_if(log.names.begin(), log.names.end(),
+                                  [&pattern](const std::string& name) { return matches(pattern, name); });
+  return found == log.names.end() ? std::string() : *found;
+}
+
 constexpr double kNanosecond = 1e-9;  // [s]
 
-const TimeUnit* timeUnit(const std::string& ending) {
-  for (const TimeUnit& unit : kTimeUnits) {
-    if (ending == unit.ending) return &unit;
-  }
-  return nullptr;
+// None where it is no unit of time [s].
+std::optional<double> secondsOf(const std::string& unit) {
+  const std::map<std::string, double> seconds = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", kNanosecond}};
+  const auto found = seconds.find(unit);
+  return found == seconds.end() ? std::nullopt : std::optional<double>(found->second);
 }
 
-// The unit at the end of the name, or none.
-const TimeUnit* namedUnit(const std::string& column) {
-  const std::size_t underscore = column.rfind('_');
-  if (underscore == std::string::npos) return nullptr;
-  return timeUnit(column.substr(underscore + 1));
-}
-
-// A column, or `COLUMN:UNIT`.
-std::vector<double> ofColumn(const CsvLog& log, const std::string& choice) {
-  const std::size_t colon = choice.rfind(':');
-  const std::string column = choice.substr(0, colon);
-  std::vector<double> times = log.column(column);
-  const TimeUnit* unit = colon == std::string::npos ? namedUnit(column) : timeUnit(choice.substr(colon + 1));
-  if (colon != std::string::npos && unit == nullptr)
-    throw Error("--signal time=" + choice + ": its unit must be s, ms, us or ns");
-  for (double& time : times) time *= unit == nullptr ? 1.0 : unit->seconds;
-  return times;
-}
-
-std::vector<double> ofChoice(const CsvLog& log, const std::string& choice) {
+// `COLUMN`, whose name may end with a unit, `COLUMN:UNIT`, or `SECONDS,NANOSECONDS`.
+std::vector<double> timesAt(const CsvLog& log, const std::string& choice) {
   const std::size_t comma = choice.find(',');
-  if (comma == std::string::npos) return ofColumn(log, choice);
-  std::vector<double> times = log.column(choice.substr(0, comma));
+  const std::size_t colon = choice.rfind(':');
+  const std::string column = choice.substr(0, std::min(comma, colon));
+  const std::size_t mark = colon == std::string::npos ? choice.rfind('_') : colon;
+  std::optional<double> unit;
+  if (mark != std::string::npos) unit = secondsOf(choice.substr(mark + 1));
+  if (colon != std::string::npos && !unit)
+    throw Error("--signal time=" + choice + ": its unit must be s, ms, us or ns");
+  if (comma != std::string::npos) unit = 1.0;
+  std::vector<double> times = log.column(column);
+  for (double& time : times) time *= unit.value_or(1.0);
+  if (comma == std::string::npos) return times;
   const std::vector<double>& rest = log.column(choice.substr(comma + 1));
   for (std::size_t i = 0; i < rest.size(); ++i) times[i] += kNanosecond * rest[i];
   return times;
-}
-
-bool isTimeName(const std::string& column) {
-  return std::any_of(std::begin(kTimeStems), std::end(kTimeStems), [&column](const std::string stem) {
-    if (column == stem) return true;
-    return column.compare(0, stem.size() + 1, stem + "_") == 0 && namedUnit(column) != nullptr &&
-           column.rfind('_') == stem.size();
-  });
 }
 
 // From the column that `choice` binds to time, or else from one that is called like a time. Throws Error naming file and
 // columns.
 std::vector<double> timesOf(const CsvLog& log, const std::map<std::string, std::string>& choice) {
   const auto chosen = choice.find("time");
-  if (chosen != choice.end()) return ofChoice(log, chosen->second);
-  if (log.has("t_s")) return ofColumn(log, "t_s");
-  const auto found = std::find_if(log.names.begin(), log.names.end(), isTimeName);
-  if (found != log.names.end()) return ofColumn(log, *found);
-  std::string known;
-  for (const std::string& name : log.names) known += (known.empty() ? "" : ", ") + name;
-  throw Error(log.path + ": no column t_s; there are " + known +
+  if (chosen != choice.end()) return timesAt(log, chosen->second);
+  for (const Pattern& pattern : kTimes) {
+    const std::string column = findColumn(log, pattern);
+    if (!column.empty()) return timesAt(log, column);
+  }
+  throw Error(log.path + ": no column t_s; there are " + listOf(log.names) +
               "; name the times with --signal time=COLUMN, time=COLUMN:ms, or time=SECONDS,NANOSECONDS");
 }
 
-// Empty where the commands have none of their own. Throws Error.
+// Those of the commands; empty where they have none of their own. Throws Error.
 std::vector<double> commandTimesOf(const CsvLog& log, const std::map<std::string, std::string>& choice) {
   const auto chosen = choice.find("cmd_time");
-  if (chosen != choice.end()) return ofChoice(log, chosen->second);
-  if (log.has("cmd_t_s")) return ofColumn(log, "cmd_t_s");
-  return {};
+  if (chosen != choice.end()) return timesAt(log, chosen->second);
+  return log.has("cmd_t_s") ? timesAt(log, "cmd_t_s") : std::vector<double>();
 }
 
-bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
-
-// The columns of a table with their times. Commands with times of their own are logged as they came; held onto
-// other rows they repeat.
-class CsvColumns {
- public:
-  CsvColumns(const CsvLog& log, const std::map<std::string, std::string>& choice)
-      : log_(log), times_(timesOf(log, choice)), command_times_(commandTimesOf(log, choice)) {}
-
-  TimeSeries series(const std::string& signal, const std::string& column, double sign) const;
-  std::vector<std::string> remarks() const;
-
- private:
-  const CsvLog& log_;
-  std::vector<double> times_;
-  std::vector<double> command_times_;
-};
-
-TimeSeries CsvColumns::series(const std::string& signal, const std::string& column, double sign) const {
-  const bool own_time = isCommand(signal) && !command_times_.empty();
-  const std::vector<double>& times = own_time ? command_times_ : times_;
-  const std::vector<double>& values = log_.column(column);
-  TimeSeries series;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    if (own_time && !series.time.empty() && times[i] == series.time.back()) continue;
-    series.time.push_back(times[i]);
-    series.value.push_back(sign * unitOf(column) * values[i]);
-  }
-  return series;
-}
-
-std::vector<std::string> CsvColumns::remarks() const {
+std::vector<std::string> remarksOn(const CsvLog& log) {
   std::vector<std::string> remarks;
-  if (log_.decimal_comma) remarks.emplace_back("its numbers have a decimal comma");
-  if (log_.unreadable > 0)
-    remarks.push_back(std::to_string(log_.unreadable) + " fields are neither a number nor empty");
-  if (log_.cut_rows > 0)
-    remarks.push_back(std::to_string(log_.cut_rows) + " rows have too few fields and were left out");
+  if (log.decimal_comma) remarks.emplace_back("its numbers have a decimal comma");
+  if (log.unreadable > 0)
+    remarks.push_back(std::to_string(log.unreadable) + " fields are neither a number nor empty");
+  if (log.cut_rows > 0)
+    remarks.push_back(std::to_string(log.cut_rows) + " rows have too few fields and were left out");
   return remarks;
-}
-
-std::string findColumn(const CsvLog& log, const Pattern& pattern) {
-  const auto found = std::find_if(log.names.begin(), log.names.end(),
-                                  [&pattern](const std::string& name) { return matches(pattern, name); });
-  return found == log.names.end() ? std::string() : *found;
 }
 
 }  // namespace
@@ -200,23 +146,33 @@ const std::vector<std::string>& signalNames() {
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice) {
   FlightSignals signals;
   signals.source = log.path;
-  const CsvColumns columns(log, choice);
-  signals.remarks = columns.remarks();
+  signals.remarks = remarksOn(log);
   signals.places = log.names;
+  const std::vector<double> all_times = timesOf(log, choice);
+  const std::vector<double> command_times = commandTimesOf(log, choice);
+  const auto add = [&](const std::string& signal, const std::string& column, double factor) {
+    // Commands with times of their own are logged as they came; held onto other rows they repeat.
+    const bool own_time = signal.find("_cmd") != std::string::npos && !command_times.empty();
+    const std::vector<double>& times = own_time ? command_times : all_times;
+    const std::vector<double>& values = log.column(column);
+    TimeSeries& series = signals.series[signal];
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      if (own_time && !series.time.empty() && times[i] == series.time.back()) continue;
+      series.time.push_back(times[i]);
+      series.value.push_back(factor * values[i]);
+    }
+    signals.origin[signal] = column;
+  };
   for (const auto& [signal, column] : choice) {
     if (signal == "time" || signal == "cmd_time") continue;
     const ChosenPlace chosen = chosenPlace(signal, column);
-    // What the name of the column says of its unit, the choice says again.
-    const double named = chosen.in_degrees ? unitOf(chosen.place) : 1.0;
-    signals.series[signal] = columns.series(signal, chosen.place, chosen.factor() / named);
+    add(signal, chosen.place, chosen.sign * (chosen.in_degrees ? kRadiansPerDegree : unitOf(chosen.place)));
     signals.origin[signal] = column;
   }
   for (const Pattern& pattern : kPatterns) {
-    if (signals.has(pattern.signal)) continue;
     const std::string column = findColumn(log, pattern);
-    if (column.empty()) continue;
-    signals.series[pattern.signal] = columns.series(pattern.signal, column, pattern.sign);
-    signals.origin[pattern.signal] = column;
+    if (!signals.has(pattern.signal) && !column.empty())
+      add(pattern.signal, column, pattern.sign * unitOf(column));
   }
   return signals;
 }

@@ -36,7 +36,7 @@ constexpr double kFrameFactor = 1.3;
 
 using Sentences = std::vector<std::string>;
 
-void judgeScale(const AxisModel& model, Sentences* warnings) {
+void judgeScale(const AxisModel& model, const AxisRecords& records, Sentences* warnings) {
   if (model.with_delay.find("gain")->greatest() < 0.0) {
     warnings->emplace_back(
         "The response goes against the command: the sign or the frame (y left or right, z up or down) of one "
@@ -48,7 +48,8 @@ void judgeScale(const AxisModel& model, Sentences* warnings) {
     return size > value / kDegreeMargin && size < value * kDegreeMargin;
   };
   if (near(kDegree) || near(1.0 / kDegree)) {
-    warnings->push_back(sentence("The gain is %.4g: one of command and response is in degrees.", size));
+    warnings->push_back(sentence("The gain is %.4g: one of command and response is in degrees; ", size) +
+                        (size > 1.0 ? records.response_help : records.command_help) + ".");
   } else {
     warnings->push_back(sentence(
         "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
@@ -104,22 +105,22 @@ void judgeClock(const AxisModel& model, const FitOptions& bounds, Sentences* war
   if (model.lead > 0.0) warnings->push_back(leadSentence(model.lead));
 }
 
-void judgeData(const AxisModel& model, Sentences* warnings) {
+void judgeData(const AxisModel& model, const AxisRecords& records, Sentences* warnings) {
   if (model.validation &&
       model.validation->validation_percent < model.validation->training_percent - kDropFit) {
     warnings->push_back(
         sentence("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
                  model.validation->training_percent, model.validation->validation_percent));
   }
-  const auto total =
-      static_cast<double>(model.record.response.time.size() + model.record.command.time.size());
-  const auto not_finite = static_cast<double>(model.cleaning.not_finite);
-  const auto out_of_order = static_cast<double>(model.cleaning.out_of_order);
-  if (not_finite + out_of_order > kManyLeftOut * total) {
+  const auto samples = [](const LoopRecord& record) {
+    return static_cast<double>(record.response.time.size() + record.command.time.size());
+  };
+  const double all = samples(records.training);
+  const double left_out = all - samples(model.record);
+  if (left_out > kManyLeftOut * all) {
     warnings->push_back(
-        sentence("%.0f samples were left out because they are not finite, and %.0f because their time does "
-                 "not increase.",
-                 not_finite, out_of_order));
+        sentence("%.0f of %.0f samples were left out: they are not finite, or their times do not increase.",
+                 left_out, all));
   }
   // What was left out because the response does not follow, against what was used.
   if (model.usedTime() < kFollowedShare * model.movingTime()) {
@@ -151,10 +152,10 @@ std::string leadSentence(double lead) {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {
   std::vector<std::string> warnings;
-  judgeScale(model, &warnings);
+  judgeScale(model, records, &warnings);
   judgeFrame(model, records, &warnings);
   judgeClock(model, bounds, &warnings);
-  judgeData(model, &warnings);
+  judgeData(model, records, &warnings);
   return warnings;
 }
 

@@ -67,8 +67,7 @@ Colour colourOf(const Eigen::VectorXd& score, const std::vector<Eigen::Index>& s
   return colour;
 }
 
-}  // namespace
-
+// Number of samples over which residuals are correlated, at least 1.
 Eigen::Index correlationLength(const Eigen::VectorXd& residuals, const std::vector<Eigen::Index>& starts) {
   const double variance = autocovariance(residuals, starts, 0);
   const Eigen::Index most = std::max<Eigen::Index>(1, residuals.size() / 8);
@@ -77,9 +76,16 @@ Eigen::Index correlationLength(const Eigen::VectorXd& residuals, const std::vect
   return lag;
 }
 
-RobustCovariance robustCovariance(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
-                                  double scale, const std::vector<Eigen::Index>& starts,
-                                  Eigen::Index leading) {
+// From a standard error that was estimated over lags up to this share of the samples.
+double intervalFactor(double lag_share) {
+  const double b = std::clamp(lag_share, 0.0, 1.0);
+  return 1.9600 + b * (2.9694 + b * (0.4160 - b * 0.5324));
+}
+
+}  // namespace
+
+Eigen::MatrixXd intervalSquares(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
+                                double scale, const std::vector<Eigen::Index>& starts, Eigen::Index leading) {
   const double reach = kHuberReach * scale;
   const Eigen::VectorXd score =
       residuals.unaryExpr([reach](double residual) { return std::clamp(residual, -reach, reach); });
@@ -116,12 +122,8 @@ RobustCovariance robustCovariance(const Eigen::MatrixXd& jacobian, const Eigen::
   for (Eigen::Index i = 0; i < leading; ++i) {
     widening[i] = std::sqrt(std::max(1.0, std::max(scores[i], stationary[i]) / white(i, i)));
   }
-  return {widening.asDiagonal() * white * widening.asDiagonal(), static_cast<double>(lags) / samples};
-}
-
-double intervalFactor(double lag_share) {
-  const double b = std::clamp(lag_share, 0.0, 1.0);
-  return 1.9600 + b * (2.9694 + b * (0.4160 - b * 0.5324));
+  widening *= intervalFactor(static_cast<double>(lags) / samples);
+  return widening.asDiagonal() * white * widening.asDiagonal();
 }
 
 namespace {
@@ -150,9 +152,8 @@ Regression regress(const Eigen::MatrixXd& columns, const Eigen::VectorXd& values
       return std::abs(residual) <= reach ? 1.0 : std::sqrt(reach / std::abs(residual));
     });
   }
-  const RobustCovariance robust = robustCovariance(columns, result.residuals, scale, starts, columns.cols());
-  result.standard_errors = robust.covariance.diagonal().cwiseSqrt();
-  result.half_widths = intervalFactor(robust.lag_share) * result.standard_errors;
+  result.half_widths =
+      intervalSquares(columns, result.residuals, scale, starts, columns.cols()).diagonal().cwiseSqrt();
   return result;
 }
 

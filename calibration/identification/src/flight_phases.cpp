@@ -14,7 +14,7 @@ namespace {
 
 // Step of the grid on which the signs of an upset or of the ground are looked for [s].
 constexpr double kPhaseStep = 0.05;
-// Greatest period of the signal that sets the grid, and pause from which on a measurement is unknown [s].
+// Greatest period of the attitude, which sets the grid, and pause from which on a measurement is unknown [s].
 constexpr double kSlowest = 0.5;
 constexpr double kStale = 1.0;
 // Steps over which what was commanded before is looked at, and in which the vehicle must stand.
@@ -27,31 +27,17 @@ constexpr double kTiltUncommanded = 1.5;
 // Range of roll and pitch up to which the attitude rests, with a throttle and without one [rad].
 constexpr double kRestAngle = 0.03;
 constexpr double kDeepRestAngle = 0.01;
-// Speed up to which the vehicle may stand, and from which on it moves [m/s].
+// Speed up to which the vehicle stands, and from which on it moves [m/s].
 constexpr double kSlow = 0.5;
 constexpr double kFast = 2.0;
-// Share of its values that a signal rarely exceeds.
-constexpr double kRareShare = 0.98;
 // Throttle at its least, as shares of what is rarely exceeded and of its range. It must vary by the factor.
+constexpr double kRareShare = 0.98;
 constexpr double kIdleShare = 0.3;
 constexpr double kIdleRange = 0.1;
 constexpr double kThrottleVaries = 1.5;
-// Share of the airspeed that is rarely exceeded up to which a fixed wing does not fly, and the least of it [m/s].
-constexpr double kStallShare = 0.35;
-constexpr double kLeastCruise = 6.0;
-// Shares of the range of height in which the vehicle may stand and surely flies, and the least range [m].
-constexpr double kLowShare = 0.15;
-constexpr double kHighShare = 0.5;
-constexpr double kLeastHeightRange = 1.0;
-// Upsets, and stretches on the ground, that are closer are one [s].
-constexpr double kUpsetJoin = 3.0;
-constexpr double kGroundJoin = 4.0;
-// What an upset takes before and after it, and landing and take-off [s].
-constexpr double kUpsetBefore = 0.5;
+// What an upset and the ground take before and after them [s].
+constexpr double kPhaseMargin = 0.5;
 constexpr double kUpsetAfter = 1.5;
-constexpr double kGroundMargin = 0.5;
-// A vehicle that rests this soon after an upset lies on the ground [s].
-constexpr double kLiesWithin = 3.0;
 // Flight between two stretches, or to the end, that is too short to count [s].
 constexpr double kLeastFlight = 4.0;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -64,14 +50,8 @@ struct Grid {
   // First time [s].
   double from = 0.0;
   std::size_t size = 0;
-  Values roll, pitch, speed, airspeed, height, roll_cmd, pitch_cmd, throttle;
+  Values roll, pitch, speed, roll_cmd, pitch_cmd, throttle;
   double time(std::size_t i) const { return from + kPhaseStep * static_cast<double>(i); }
-};
-
-// Indices [first, last] of a grid.
-struct Span {
-  std::size_t first = 0;
-  std::size_t last = 0;
 };
 
 Values valuesOn(const Grid& grid, const TimeSeries& series, double stale) {
@@ -100,35 +80,26 @@ Values speedOf(const Grid& grid, const FlightSignals& signals) {
   return {};
 }
 
-Grid gridOf(const FlightSignals& signals, const TimeWindow& window) {
-  Grid grid;
-  grid.from = window.from;
-  grid.size = static_cast<std::size_t>((window.to - window.from) / kPhaseStep) + 1;
-  const auto held = [&](const char* name, double stale) {
-    return valuesOn(grid, cleanSignal(signals, name), stale);
-  };
-  grid.roll = held("roll", kStale);
-  grid.pitch = held("pitch", kStale);
-  grid.airspeed = held("airspeed", kStale);
-  grid.height = held("height", kStale);
-  grid.roll_cmd = held("roll_cmd", kFarStep);
-  grid.pitch_cmd = held("pitch_cmd", kFarStep);
-  grid.throttle = held("thrust_cmd", kFarStep);
-  grid.speed = speedOf(grid, signals);
-  return grid;
-}
-
-// The pieces between far steps of the signal that is sampled throughout; none where nothing is sampled often enough.
+// The pieces between far steps of the attitude; none where it is not sampled often enough.
 std::vector<Grid> gridsOf(const FlightSignals& signals) {
-  TimeSeries base;
-  for (const char* name : {"roll", "vx", "vn"}) {
-    base = cleanSignal(signals, name);
-    if (base.time.size() > 1) break;
-  }
+  const TimeSeries roll = cleanSignal(signals, "roll");
   std::vector<Grid> grids;
-  if (base.time.size() < 2 || !(typicalPeriod(base, kFarStep) <= kSlowest)) return grids;
-  for (const TimeWindow& piece : cutAtFarSteps({{base.time.front(), base.time.back()}}, base.time))
-    grids.push_back(gridOf(signals, piece));
+  if (roll.time.size() < 2 || !(typicalPeriod(roll, kFarStep) <= kSlowest)) return grids;
+  for (const TimeWindow& piece : cutAtFarSteps({{roll.time.front(), roll.time.back()}}, roll.time)) {
+    Grid grid;
+    grid.from = piece.from;
+    grid.size = static_cast<std::size_t>((piece.to - piece.from) / kPhaseStep) + 1;
+    const auto held = [&](const char* name, double stale) {
+      return valuesOn(grid, cleanSignal(signals, name), stale);
+    };
+    grid.roll = held("roll", kStale);
+    grid.pitch = held("pitch", kStale);
+    grid.roll_cmd = held("roll_cmd", kFarStep);
+    grid.pitch_cmd = held("pitch_cmd", kFarStep);
+    grid.throttle = held("thrust_cmd", kFarStep);
+    grid.speed = speedOf(grid, signals);
+    grids.push_back(std::move(grid));
+  }
   return grids;
 }
 
@@ -148,165 +119,98 @@ Extent extentOf(const Values& values, std::size_t from, std::size_t to) {
   return extent;
 }
 
-std::vector<bool> upsetsOf(const Grid& grid) {
-  const bool commanded = !grid.roll_cmd.empty() && !grid.pitch_cmd.empty();
-  Values tilt(grid.size, kUnknown);
-  for (std::size_t i = 0; i < grid.size && !grid.roll.empty() && !grid.pitch.empty(); ++i)
-    tilt[i] = std::acos(std::clamp(std::cos(grid.roll[i]) * std::cos(grid.pitch[i]), -1.0, 1.0));
-  std::vector<bool> upset(grid.size, false);
-  for (std::size_t i = 1; i < grid.size; ++i) {
-    double allowed = kTiltUncommanded;
-    if (commanded) {
-      const auto greatest = [&](const Values& command) {
-        const Extent recent = extentOf(command, i < kCommandSteps ? 0 : i - kCommandSteps, i);
-        return std::fmax(0.0, std::fmax(std::abs(recent.least), std::abs(recent.greatest)));
-      };
-      allowed =
-          std::max(kTiltAllowed, kTiltBeyond + std::hypot(greatest(grid.roll_cmd), greatest(grid.pitch_cmd)));
-    }
-    // A single sample is an outlier.
-    upset[i] = tilt[i] > allowed && tilt[i - 1] > kTiltAllowed;
-  }
-  return upset;
-}
+// Why each step of a grid is no flight; empty: it is.
+using Reasons = std::vector<std::string>;
 
-// What all pieces of a flight say of its levels. NaN: such a level tells nothing.
-struct Levels {
-  // Up to which the throttle is at its least, and a fixed wing does not fly [m/s].
-  double throttle = kUnknown;
-  double airspeed = kUnknown;
-  // Height up to which the vehicle may stand, and from which on it flies [m].
-  double low = kUnknown;
-  double high = kUnknown;
-};
-
-Levels levelsOf(const std::vector<Grid>& grids) {
-  const auto all = [&grids](Values Grid::*member) {
-    Values values;
-    for (const Grid& grid : grids) {
-      std::copy_if((grid.*member).begin(), (grid.*member).end(), std::back_inserter(values),
-                   [](double value) { return std::isfinite(value); });
-    }
-    return values;
+// Of steps [first, last] and what they take before and after.
+void mark(std::size_t first, std::size_t last, double after, const char* reason, Reasons* reasons) {
+  const auto steps = [](double seconds) {
+    return static_cast<std::size_t>(std::lround(seconds / kPhaseStep));
   };
-  Levels levels;
-  const Values throttle = all(&Grid::throttle), airspeed = all(&Grid::airspeed), height = all(&Grid::height);
-  if (!throttle.empty()) {
-    const double least = *std::min_element(throttle.begin(), throttle.end());
-    const double most = quantileOf(throttle, kRareShare);
-    if (least >= 0.0 && most > kThrottleVaries * least)
-      levels.throttle = std::max(kIdleShare * most, least + kIdleRange * (most - least));
-  }
-  if (quantileOf(airspeed, kRareShare) > kLeastCruise)
-    levels.airspeed = kStallShare * quantileOf(airspeed, kRareShare);
-  if (!height.empty()) {
-    const auto [least, most] = std::minmax_element(height.begin(), height.end());
-    if (*most - *least > kLeastHeightRange) {
-      levels.low = *least + kLowShare * (*most - *least);
-      levels.high = *least + kHighShare * (*most - *least);
-    }
-  }
-  return levels;
+  const std::size_t from = first - std::min(first, steps(kPhaseMargin));
+  for (std::size_t i = from; i < std::min(reasons->size(), last + steps(after)); ++i) (*reasons)[i] = reason;
 }
 
-// Whether the vehicle stands throughout [from, to], where the range of its angles is `angle`. What is not known is NaN and
-// tells nothing.
-bool standsIn(const Grid& grid, const Levels& levels, std::size_t from, std::size_t to, double angle) {
-  const Extent speed = extentOf(grid.speed, from, to), throttle = extentOf(grid.throttle, from, to);
-  const Extent airspeed = extentOf(grid.airspeed, from, to), height = extentOf(grid.height, from, to);
-  if (speed.greatest > kFast || airspeed.greatest > levels.airspeed) return false;
-  // Who carries a fixed wing to its start walks: then the airspeed tells.
-  const bool slow = speed.greatest < kSlow || airspeed.greatest < levels.airspeed;
-  if (std::isfinite(throttle.greatest) && std::isfinite(levels.throttle))
-    return throttle.greatest <= levels.throttle && (slow || angle < kRestAngle);
-  // Without a throttle, take-off and landing are taken to be at about one height.
-  return angle < kDeepRestAngle && (slow || std::isnan(speed.greatest)) && height.greatest < levels.low;
+void markUpsets(const Grid& grid, Reasons* reasons) {
+  if (grid.pitch.empty()) return;
+  const bool commanded = !grid.roll_cmd.empty() && !grid.pitch_cmd.empty();
+  double tilt_before = 0.0;
+  for (std::size_t i = 0; i < grid.size; ++i) {
+    const auto recent = [i](const Values& command) {
+      const Extent extent = extentOf(command, i - std::min(i, kCommandSteps), i);
+      return std::fmax(0.0, std::fmax(-extent.least, extent.greatest));
+    };
+    const double allowed =
+        commanded
+            ? std::max(kTiltAllowed, kTiltBeyond + std::hypot(recent(grid.roll_cmd), recent(grid.pitch_cmd)))
+            : kTiltUncommanded;
+    const double tilt = std::acos(std::clamp(std::cos(grid.roll[i]) * std::cos(grid.pitch[i]), -1.0, 1.0));
+    // A single sample is an outlier.
+    if (tilt > allowed && tilt_before > kTiltAllowed)
+      mark(i, i, kUpsetAfter, "upset, not commanded", reasons);
+    tilt_before = tilt;
+  }
 }
 
-// Where the vehicle stands, and where its attitude rests.
-struct Ground {
-  std::vector<bool> stands;
-  std::vector<bool> rests;
-};
+// Up to which the throttle is at its least, by all pieces of a flight. NaN: it tells nothing.
+double idleThrottle(const std::vector<Grid>& grids) {
+  Values values;
+  for (const Grid& grid : grids) {
+    std::copy_if(grid.throttle.begin(), grid.throttle.end(), std::back_inserter(values),
+                 [](double value) { return std::isfinite(value); });
+  }
+  if (values.empty()) return kUnknown;
+  const double least = *std::min_element(values.begin(), values.end());
+  const double most = quantileOf(std::move(values), kRareShare);
+  if (least < 0.0 || most <= kThrottleVaries * least) return kUnknown;
+  return std::max(kIdleShare * most, least + kIdleRange * (most - least));
+}
 
-Ground groundOf(const Grid& grid, const Levels& levels) {
-  Ground ground = {std::vector<bool>(grid.size, false), std::vector<bool>(grid.size, false)};
+// Whether the vehicle stands throughout [from, to]. What is not known is NaN and tells nothing.
+bool standsIn(const Grid& grid, double idle, std::size_t from, std::size_t to) {
+  const double speed = extentOf(grid.speed, from, to).greatest;
+  const double throttle = extentOf(grid.throttle, from, to).greatest;
+  if (speed > kFast || throttle > idle) return false;
+  const auto rests = [&](double range) {
+    return extentOf(grid.roll, from, to).range() < range && extentOf(grid.pitch, from, to).range() < range;
+  };
+  return throttle <= idle ? speed < kSlow || rests(kRestAngle) : speed < kSlow && rests(kDeepRestAngle);
+}
+
+void markGround(const Grid& grid, double idle, Reasons* reasons) {
   for (std::size_t from = 0; from + kStandSteps < grid.size; ++from) {
-    const std::size_t to = from + kStandSteps;
-    const Extent roll = extentOf(grid.roll, from, to), pitch = extentOf(grid.pitch, from, to);
-    const double angle = roll.range() > pitch.range() ? roll.range() : pitch.range();
-    const bool stands = standsIn(grid, levels, from, to, angle);
-    for (std::size_t i = from; i <= to; ++i) {
-      ground.rests[i] = ground.rests[i] || angle < kRestAngle;
-      ground.stands[i] = ground.stands[i] || stands;
-    }
+    if (standsIn(grid, idle, from, from + kStandSteps))
+      mark(from, from + kStandSteps, kPhaseMargin, "on the ground", reasons);
   }
-  return ground;
 }
 
-std::size_t stepsOf(double seconds) { return static_cast<std::size_t>(std::lround(seconds / kPhaseStep)); }
-
-std::vector<Span> spansOf(const std::vector<bool>& flags, double join) {
-  std::vector<Span> spans;
-  for (std::size_t i = 0; i < flags.size(); ++i) {
-    if (!flags[i]) continue;
-    if (spans.empty() || i - spans.back().last > stepsOf(join)) spans.push_back({i, i});
-    spans.back().last = i;
+// The stretches of equal reasons. Flight that is too short between them belongs to the one before it.
+std::vector<RejectedWindow> stretchesOf(const Grid& grid, const Reasons& reasons) {
+  std::vector<RejectedWindow> found;
+  for (std::size_t i = 0; i < grid.size; ++i) {
+    if (reasons[i].empty()) continue;
+    const double last = found.empty() ? grid.from : found.back().window.to;
+    const double from = grid.time(i) - last < kLeastFlight ? last : grid.time(i);
+    if (from > last || found.empty() || reasons[i] != found.back().reason)
+      found.push_back({{from, from}, reasons[i]});
+    found.back().window.to = grid.time(i + 1);
   }
-  return spans;
-}
-
-void add(const Grid& grid, const Span& span, double before, double after, const char* reason,
-         std::vector<RejectedWindow>* found) {
-  const double end = grid.time(grid.size - 1) + kPhaseStep;
-  const double from = std::max(grid.from, grid.time(span.first) - before);
-  const double to = std::min(end, grid.time(span.last) + after);
-  found->push_back(
-      {{from - grid.from < kLeastFlight ? grid.from : from, end - to < kLeastFlight ? end : to}, reason});
-}
-
-// In order of time; what overlaps is cut, and what is left between two of one piece must be worth it.
-std::vector<RejectedWindow> inOrder(std::vector<RejectedWindow> found) {
-  std::stable_sort(found.begin(), found.end(), [](const RejectedWindow& one, const RejectedWindow& other) {
-    return one.window.from < other.window.from;
-  });
-  std::vector<RejectedWindow> result;
-  for (RejectedWindow& one : found) {
-    if (!result.empty()) {
-      RejectedWindow& before = result.back();
-      const bool near = one.window.from - before.window.to < kLeastFlight;
-      if (one.window.to <= before.window.to) continue;
-      if (near && one.reason == before.reason) {
-        before.window.to = one.window.to;
-        continue;
-      }
-      if (near) one.window.from = before.window.to;
-    }
-    result.push_back(std::move(one));
-  }
-  return result;
+  const double end = grid.time(grid.size);
+  if (!found.empty() && end - found.back().window.to < kLeastFlight) found.back().window.to = end;
+  return found;
 }
 
 }  // namespace
 
 std::vector<RejectedWindow> findNonFlight(const FlightSignals& signals, bool on_ground) {
   const std::vector<Grid> grids = gridsOf(signals);
-  const Levels levels = levelsOf(grids);
+  const double idle = idleThrottle(grids);
   std::vector<RejectedWindow> all;
   for (const Grid& grid : grids) {
-    const Ground ground = groundOf(grid, levels);
-    std::vector<RejectedWindow> found;
-    for (Span span : spansOf(upsetsOf(grid), kUpsetJoin)) {
-      for (std::size_t i = span.last; i < std::min(grid.size, span.last + stepsOf(kLiesWithin)); ++i) {
-        if (ground.rests[i]) span.last = i;
-      }
-      add(grid, span, kUpsetBefore, kUpsetAfter, "upset, not commanded", &found);
-    }
-    if (!on_ground) {
-      for (const Span& span : spansOf(ground.stands, kGroundJoin))
-        add(grid, span, kGroundMargin, kGroundMargin, "on the ground", &found);
-    }
-    for (RejectedWindow& one : inOrder(std::move(found))) all.push_back(std::move(one));
+    Reasons reasons(grid.size);
+    if (!on_ground) markGround(grid, idle, &reasons);
+    markUpsets(grid, &reasons);
+    for (RejectedWindow& one : stretchesOf(grid, reasons)) all.push_back(std::move(one));
   }
   return all;
 }

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "sentence.hpp"
 
 namespace polyfly {
 namespace {
@@ -15,10 +17,10 @@ constexpr const char* kLoops[] = {"roll", "pitch", "yaw_rate", "thrust"};
 constexpr double kThrustSmoothing = 0.1;  // half width of the mean over noisy accelerations [s]
 
 // Acceleration along the body's z without gravity's, from what the vehicle did vertically.
-TimeSeries thrustFromVelocity(const FlightSignals& signals, CleaningCounts* counts) {
-  const TimeSeries velocity = cleaned(signals.at("vz"), counts);
-  const TimeSeries roll = cleaned(signals.at("roll"), counts);
-  const TimeSeries pitch = cleaned(signals.at("pitch"), counts);
+TimeSeries thrustFromVelocity(const FlightSignals& signals) {
+  const TimeSeries velocity = cleaned(signals.at("vz"));
+  const TimeSeries roll = cleaned(signals.at("roll"));
+  const TimeSeries pitch = cleaned(signals.at("pitch"));
   TimeSeries thrust;
   if (velocity.time.size() < 3 || roll.time.empty() || pitch.time.empty()) return thrust;
   thrust.time = velocity.time;
@@ -31,21 +33,19 @@ TimeSeries thrustFromVelocity(const FlightSignals& signals, CleaningCounts* coun
   return thrust;
 }
 
-TimeSeries smoothed(const TimeSeries& raw, CleaningCounts* counts) {
-  TimeSeries series = cleaned(raw, counts);
+TimeSeries smoothed(const TimeSeries& raw) {
+  TimeSeries series = cleaned(raw);
   if (series.time.size() < 3) return series;
   series.value = smoothedMean(series.time, cumulativeIntegral(series.time, series.value), kThrustSmoothing);
   return series;
 }
 
 std::string listOfPlaces(const FlightSignals& signals) {
-  constexpr std::size_t kMostPlaces = 60;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(signals.places.size(), kMostPlaces); ++i)
-    list += (i > 0 ? ", " : "") + signals.places[i];
-  if (signals.places.size() > kMostPlaces)
-    list += " and " + std::to_string(signals.places.size() - kMostPlaces) + " more";
-  return list;
+  constexpr std::ptrdiff_t kMostPlaces = 60;
+  const auto count = static_cast<std::ptrdiff_t>(signals.places.size());
+  if (count <= kMostPlaces) return listOf(signals.places);
+  return listOf(std::vector<std::string>(signals.places.begin(), signals.places.begin() + kMostPlaces)) +
+         " and " + std::to_string(count - kMostPlaces) + " more";
 }
 
 }  // namespace
@@ -94,9 +94,7 @@ double ChosenPlace::factor() const { return sign * (in_degrees ? kRadiansPerDegr
 ChosenPlace chosenPlace(const std::string& signal, const std::string& text) {
   const std::vector<std::string>& names = signalNames();
   if (std::find(names.begin(), names.end(), signal) == names.end()) {
-    std::string known;
-    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
-    throw Error("--signal " + signal + ": is none of " + known);
+    throw Error("--signal " + signal + ": is none of " + listOf(names));
   }
   ChosenPlace chosen{text};
   if (!text.empty() && text.front() == '-') {
@@ -132,7 +130,7 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals) {
   return remarks;
 }
 
-bool isAuxiliary(const std::string& name) { return name.compare(0, 5, "gyro_") == 0 || name == "height"; }
+bool isAuxiliary(const std::string& name) { return name.compare(0, 5, "gyro_") == 0; }
 
 namespace {
 
@@ -179,14 +177,15 @@ AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis) {
     records.unit = "m/s^2";
     records.command_unit = "command";
     records.training.smoothing = kThrustSmoothing;
-    records.training.response = signals.has("specific_force_z")
-                                    ? smoothed(signals.at("specific_force_z"), &records.cleaning)
-                                    : thrustFromVelocity(signals, &records.cleaning);
+    records.training.response = signals.has("specific_force_z") ? smoothed(signals.at("specific_force_z"))
+                                                                : thrustFromVelocity(signals);
     if (signals.has("vz")) records.vertical_velocity = cleaned(signals.at("vz"));
     return records;
   }
   records.unit = records.command_unit = axis == "yaw_rate" ? "rad/s" : "rad";
   records.training.response = signals.at(axis);
+  records.command_help = otherUnit(signals, axis + "_cmd");
+  records.response_help = otherUnit(signals, axis);
   const std::string other = axis == "roll" ? "pitch_cmd" : "roll_cmd";
   if (axis != "yaw_rate" && signals.has(other)) records.other_command = cleaned(signals.at(other));
   return records;

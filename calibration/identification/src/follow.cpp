@@ -14,7 +14,7 @@ namespace {
 // Length of the cells in which energies are summed [s], and cells of a stretch that is judged, and of a short one.
 constexpr double kCell = 0.5;
 constexpr std::size_t kJudgedCells = 4;
-constexpr std::size_t kPairCells = 2;
+constexpr std::size_t kShortCells = 2;
 // Ratio of residual to response that counts as explained, and above which the response does not follow.
 constexpr double kExplained = 0.5;
 constexpr double kUnexplained = 0.75;
@@ -106,22 +106,17 @@ std::optional<double> usualResidual(const Cells& cells) {
 // The cells of stretches that do not follow, and those beside them in which the model misses by as much.
 std::vector<bool> rejectedCells(const std::vector<Cell>& cells, double usual) {
   std::vector<bool> rejected(cells.size(), false);
-  const auto misses_by_far = [usual](const Cell& one) {
-    return one.ratio() > kExplained && one.missed() > kFarAway * usual;
-  };
   // Short stretches must miss by far.
-  for (const std::size_t length : {kJudgedCells, kPairCells}) {
+  for (const std::size_t length : {kJudgedCells, kShortCells}) {
     const std::vector<Cell> stretches = stretchesOf(cells, length);
     for (std::size_t i = 0; i < stretches.size(); ++i) {
       const Cell& one = stretches[i];
-      const bool is_rejected = misses_by_far(one) || (length == kJudgedCells && one.ratio() > kUnexplained &&
-                                                      one.missed() > kAway * usual);
+      const bool away = length == kJudgedCells && one.ratio() > kUnexplained && one.missed() > kAway * usual;
+      const bool far_away = one.ratio() > kExplained && one.missed() > kFarAway * usual;
       for (std::size_t k = i; k < std::min(cells.size(), i + length); ++k)
-        rejected[k] = rejected[k] || is_rejected;
+        rejected[k] = rejected[k] || away || far_away;
     }
   }
-  rejected.front() = rejected.front() || misses_by_far(cells.front());
-  rejected.back() = rejected.back() || misses_by_far(cells.back());
   const auto misses = [&](std::size_t i) { return cells[i].missed() > kAway * usual; };
   for (std::size_t i = 1; i < cells.size(); ++i) rejected[i] = rejected[i] || (rejected[i - 1] && misses(i));
   for (std::size_t i = cells.size() - 1; i > 0; --i)
@@ -166,9 +161,7 @@ void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, Excitation
     if (!usual) return;
     std::vector<TimeWindow> left = keptOf(choice->windows, cells, *usual);
     if (left.empty()) return;
-    const bool same =
-        std::equal(left.begin(), left.end(), kept.begin(), kept.end(),
-                   [](const TimeWindow& a, const TimeWindow& b) { return a.from == b.from && a.to == b.to; });
+    const bool same = left == kept;
     kept = std::move(left);
     if (same) break;
     model = tryFit(record, kept, options);

@@ -15,10 +15,10 @@ namespace {
 // Least length of a half for a fit [s].
 constexpr double kLeastHalf = 2.0;
 
-LoopRecord cleanRecord(const LoopRecord& record, CleaningCounts* counts) {
+LoopRecord cleanRecord(const LoopRecord& record) {
   LoopRecord clean = record;
-  clean.command = cleaned(record.command, counts);
-  clean.response = cleaned(record.response, counts);
+  clean.command = cleaned(record.command);
+  clean.response = cleaned(record.response);
   return clean;
 }
 
@@ -125,8 +125,7 @@ ExcitationChoice chosenWindows(const std::vector<TimeWindow>& given, const LoopR
 // Every controller model on another flight.
 std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const LoopRecord& record,
                                                 const IdentifyOptions& options) {
-  CleaningCounts ignored;
-  const LoopRecord clean = cleanRecord(record, &ignored);
+  const LoopRecord clean = cleanRecord(record);
   const std::vector<LoopSegment> segments =
       cutSegments(clean, chosenWindows(options.validation_windows, clean, options.fit).windows,
                   options.fit.delay_greatest);
@@ -183,8 +182,7 @@ AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& optio
   model.unit = records.unit;
   model.command_unit = records.command_unit;
   model.source = records.training.source;
-  model.cleaning = records.cleaning;
-  model.record = cleanRecord(records.training, &model.cleaning);
+  model.record = cleanRecord(records.training);
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");

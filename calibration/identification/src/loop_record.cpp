@@ -74,21 +74,11 @@ double slope(const std::vector<double>& time, const std::vector<double>& value, 
   return product / spread;
 }
 
-// Whether an ordered series has this very sample.
-bool holds(const TimeSeries& series, double time, double value) {
-  const auto at = std::lower_bound(series.time.begin(), series.time.end(), time);
-  return at != series.time.end() && *at == time &&
-         series.value[static_cast<std::size_t>(at - series.time.begin())] == value;
-}
-
 // The finite samples as pieces without far steps, the one that begins first before the others.
-std::vector<TimeSeries> piecesInOrder(const TimeSeries& series, CleaningCounts* counts) {
+std::vector<TimeSeries> piecesInOrder(const TimeSeries& series) {
   std::vector<TimeSeries> pieces;
   for (std::size_t i = 0; i < series.time.size(); ++i) {
-    if (!std::isfinite(series.time[i]) || !std::isfinite(series.value[i])) {
-      ++counts->not_finite;
-      continue;
-    }
+    if (!std::isfinite(series.time[i]) || !std::isfinite(series.value[i])) continue;
     if (pieces.empty() || isFarStep(pieces.back().time.back(), series.time[i])) pieces.emplace_back();
     pieces.back().time.push_back(series.time[i]);
     pieces.back().value.push_back(series.value[i]);
@@ -192,20 +182,12 @@ std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
 }
 
 TimeSeries cleaned(const TimeSeries& series) {
-  CleaningCounts ignored;
-  return cleaned(series, &ignored);
-}
-
-TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {
   if (series.time.size() != series.value.size())
     throw Error("time series: as many times as values are needed");
   TimeSeries clean;
-  for (const TimeSeries& piece : piecesInOrder(series, counts)) {
+  for (const TimeSeries& piece : piecesInOrder(series)) {
     for (std::size_t i = 0; i < piece.time.size(); ++i) {
-      if (!clean.time.empty() && piece.time[i] <= clean.time.back()) {
-        ++(holds(clean, piece.time[i], piece.value[i]) ? counts->repeated : counts->out_of_order);
-        continue;
-      }
+      if (!clean.time.empty() && piece.time[i] <= clean.time.back()) continue;
       clean.time.push_back(piece.time[i]);
       clean.value.push_back(piece.value[i]);
     }

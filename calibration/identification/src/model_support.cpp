@@ -20,11 +20,6 @@ constexpr double kUpperEnd = 0.95;
 // Factor of the least value up to which a number lies at the lower end of the search range.
 constexpr double kLowerEnd = 1.05;
 
-// A delay that was not looked for, or lies at its least value, has no error.
-double errorOf(const FittedParameter& parameter) {
-  return std::isfinite(parameter.standard_error) ? parameter.standard_error : 0.0;
-}
-
 void addFitReasons(const ControllerModel& model, std::vector<std::string>* reasons) {
   if (!(model.fit.fit_percent >= kLeastFit)) {
     reasons->push_back(sentence("The fit is %.1f %%; a controller needs at least %.0f %%.",
@@ -80,12 +75,11 @@ LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>&
   LoopFit result = with_delay;
   result.shape.tau = tau.value + delay.value;
   result.shape.delay = 0.0;
-  // Variance of the sum from the covariance of the two. A delay that was not fitted has no error.
-  const double of_delay = errorOf(delay);
-  const double variance =
-      tau.standard_error * tau.standard_error + of_delay * of_delay + 2.0 * with_delay.lag_delay_covariance;
-  FittedParameter sum = {"tau", "s", result.shape.tau, std::sqrt(std::max(0.0, variance))};
-  sum.half_width = tau.half_width / tau.standard_error * sum.standard_error;
+  // A delay that was not looked for, or lies at its least value, has no error.
+  const double of_delay = std::isfinite(delay.half_width) ? delay.half_width : 0.0;
+  const double square =
+      tau.half_width * tau.half_width + of_delay * of_delay + 2.0 * with_delay.lag_delay_square;
+  const FittedParameter sum = {"tau", "s", result.shape.tau, std::sqrt(std::max(0.0, square))};
   result.parameters = {*with_delay.find("gain"), sum, *with_delay.find("offset")};
   LoopPrediction prediction = predictLoop(result, segments);
   result.fit_percent = prediction.fit_percent;

@@ -45,8 +45,7 @@ MotionTrace traceOf(const Motion& motion, const std::string& name, const std::st
 
 FittedParameter parameterOf(const std::string& name, const std::string& unit, const Regression& found,
                             Eigen::Index index, double scale = 1.0) {
-  return {name, unit, scale * found.coefficients[index], scale * found.standard_errors[index],
-          scale * found.half_widths[index]};
+  return {name, unit, scale * found.coefficients[index], scale * found.half_widths[index]};
 }
 
 // Whether the vehicle accelerates along an axis where it tilts at all.

@@ -28,71 +28,36 @@ Json json(const DisturbanceBound& bound) {
 Json json(const FittedParameter& parameter) {
   return {{"value", parameter.value},
           {"unit", parameter.unit},
-          {"standard_error", parameter.standard_error},
           {"interval_95", {parameter.least(), parameter.greatest()}},
           {"supported", parameter.supported}};
 }
 
-// A curve over time with a gap between stretches.
-Series curve(const MotionTrace& trace, const std::vector<double>& value, const std::string& label,
-             const std::string& color) {
-  Series series;
-  series.label = label;
-  series.color = color;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    if (std::find(trace.starts.begin(), trace.starts.end(), i) != trace.starts.end()) {
-      series.x.push_back(trace.time[i]);
-      series.y.push_back(kNothing);
-    }
-    series.x.push_back(trace.time[i]);
-    series.y.push_back(value[i]);
-  }
-  return thinned(series, 2 * kCurvePoints);
-}
-
 // What was used of the flight: the whole record of velocities, with the stretches shaded.
-ReportSection selectionFigure(const MotionCalibration& calibration) {
+ReportSection selectionOf(const MotionCalibration& calibration) {
   Panel panel = timePanel("", "velocity [m/s]");
   const MotionTrace& trace = calibration.fit.traces.front();
-  for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
-    if (trace.starts[i + 1] > trace.starts[i])
-      panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
-  }
-  for (const auto& [name, velocity] : calibration.record) {
-    Series series;
-    series.x = velocity.time;
-    series.y = velocity.value;
-    series.label = name;
-    series.color = kAxisColors[panel.series.size() % 3];
-    panel.series.push_back(thinned(withGaps(series), kCurvePoints));
-  }
-  std::vector<Panel> panels = {panel};
-  if (!trace.time.empty()) countFrom(trace.time.front(), &panels);
-  return pictured(
+  for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i)
+    panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
+  for (const auto& [name, velocity] : calibration.record)
+    panel.series.push_back(curveOf(velocity, name, kAxisColors[panel.series.size() % 3]));
+  return selectionSection(
       "What was used",
-      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.",
-      panels, row_height::kAlone);
+      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.", panel,
+      trace.time.front());
 }
 
 ReportSection timeFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
-  Panel panel = timePanel("", withUnit("measured, modelled", trace.unit));
-  Series measured = curve(trace, trace.measured, "measured", kMeasuredColor);
-  measured.width = 3.0;
-  panel.series = {measured, curve(trace, trace.modelled, "modelled", palette::kBlue)};
-  Panel left = timePanel("", withUnit("measured − modelled", trace.unit));
-  std::vector<double> residual = trace.measured;
-  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= trace.modelled[i];
-  left.series = {curve(trace, residual, "", palette::kBlue)};
-  if (bound != nullptr) left.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
-  std::vector<Panel> panels = {panel, left};
-  if (!trace.time.empty()) countFrom(trace.time.front(), &panels);
-  return pictured(
-      trace.name + ": measured and modelled",
-      bound != nullptr
-          ? "Above, what was measured and what thrust, attitude, gravity and drag explain; below, "
-            "what is left, which is the disturbance, with its bounds."
-          : "On the data that the model was made from; below, what it leaves.",
-      panels, row_height::kPaired);
+  Comparison comparison = {
+      trace.name, trace.unit, {trace.time, trace.measured}, {{"modelled", trace.modelled}}, {}};
+  std::string caption = "On the data that the model was made from; below, what it leaves.";
+  if (bound != nullptr) {
+    comparison.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
+    caption =
+        "Above, what was measured and what thrust, attitude, gravity and drag explain; below, what is left, "
+        "which is "
+        "the disturbance, with its bounds.";
+  }
+  return comparisonSection(trace.name + ": measured and modelled", caption, comparison, trace.time.front());
 }
 
 // The objects of a map as a list, each with its key as `name`.
@@ -145,11 +110,10 @@ void addTables(const Json& json, std::vector<ReportSection>* sections) {
 }  // namespace
 
 Json jsonOf(const MotionCalibration& calibration) {
-  Json out = calibrationHead(calibration.kind, jsonOf(calibration.data), calibration.vehicle);
+  Json out = calibrationHead(calibration.kind, calibration, jsonOf(calibration.data));
   Json windows = Json::array();
   for (const std::vector<TimeWindow>& flight : calibration.windows) windows.push_back(jsonOf(flight));
   out["windows"] = windows.size() == 1 ? windows.front() : windows;
-  out["remarks"] = calibration.remarks;
   if (!calibration.bounds.empty()) {
     out["share"] = calibration.limits.share;
     out["confidence"] = calibration.limits.confidence;
@@ -173,7 +137,7 @@ Json jsonOf(const MotionCalibration& calibration) {
 
 std::string toText(const MotionCalibration& calibration) {
   std::ostringstream out;
-  for (const std::string& sentence : calibration.remarks) out << "note: " << sentence << "\n";
+  out << notesOn(calibration);
   for (const DisturbanceBound& bound : calibration.bounds) {
     out << sentence(
         "d_%s  %.3f .. %.3f m/s^2 for %.4g %% of the time (confidence %.2f)   mean %.3f, deviation %.3f\n",
@@ -192,15 +156,14 @@ std::string toText(const MotionCalibration& calibration) {
 }
 
 Report reportOn(const MotionCalibration& calibration) {
-  std::vector<std::string> reasons = calibration.remarks;
-  reasons.insert(reasons.end(), calibration.fit.warnings.begin(), calibration.fit.warnings.end());
+  std::vector<std::string> reasons = calibration.fit.warnings;
   for (const DisturbanceBound& bound : calibration.bounds) {
     for (const std::string& warning : bound.warnings) reasons.push_back("d_" + bound.axis + ": " + warning);
   }
-  Report page = calibrationPage(calibration.data, reasons);
+  Report page = calibrationPage(calibration, reasons);
   addTables(jsonOf(calibration), &page.sections);
   if (calibration.fit.traces.empty()) return page;
-  if (!calibration.record.empty()) page.sections.push_back(selectionFigure(calibration));
+  if (!calibration.record.empty()) page.sections.push_back(selectionOf(calibration));
   for (std::size_t i = 0; i < calibration.fit.traces.size(); ++i) {
     const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
     page.sections.push_back(timeFigure(calibration.fit.traces[i], bound));

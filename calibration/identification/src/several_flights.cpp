@@ -124,7 +124,6 @@ std::vector<FittedParameter> meanParameters(const std::vector<std::vector<Fitted
       least = std::min(least, flight[i].value);
       greatest = std::max(greatest, flight[i].value);
       // NaN where the data of a flight do not bound the number.
-      mean.standard_error = std::fmax(mean.standard_error, flight[i].standard_error);
       mean.half_width = std::fmax(mean.half_width, flight[i].half_width);
     }
     mean.half_width = std::max(mean.half_width, 0.5 * (greatest - least));

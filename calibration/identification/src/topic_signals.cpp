@@ -15,50 +15,44 @@ namespace {
 
 // Greatest difference between the length of a quaternion and 1.
 constexpr double kQuaternionLength = 0.1;
+constexpr std::size_t kQuaternionSize = 4;
 
-const char* const kQuaternion[] = {".w", ".x", ".y", ".z"};
-const char* const kTwist[] = {"twist.twist.linear.x", "twist.twist.linear.y", "twist.twist.linear.z"};
-const char* const kVelocity[] = {"vx", "vy", "vz"};
-const char* const kOdometryAttitude = "pose.pose.orientation";
-
-Eigen::Quaterniond quaternion(const double* wxyz) {
-  Eigen::Quaterniond attitude(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  const bool good = std::abs(attitude.norm() - 1.0) <= kQuaternionLength;
-  if (good) {
-    attitude.normalize();
-  } else {
-    attitude.coeffs().setConstant(std::nan(""));
-  }
-  return attitude;
+double valueOf(const FieldUse& use, const double* numbers) {
+  if (use.part.empty()) return use.scale * numbers[0];
+  Eigen::Quaterniond attitude(numbers[0], numbers[1], numbers[2], numbers[3]);
+  if (!(std::abs(attitude.norm() - 1.0) <= kQuaternionLength)) return std::nan("");
+  attitude.normalize();
+  if (use.paths.size() == kQuaternionSize)
+    return use.scale * angleOf(attitude.w(), attitude.x(), attitude.y(), attitude.z(), use.part);
+  return (attitude * Eigen::Map<const Eigen::Vector3d>(numbers + kQuaternionSize))[use.part.front() - 'x'];
 }
 
 }  // namespace
 
-TopicSignals::TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses, bool with_velocity)
-    : topic_(connection.topic),
-      layout_(connection.type, connection.definition),
-      uses_(std::move(uses)),
-      with_velocity_(with_velocity) {
+FieldUse fieldUse(const std::string& signal, const std::string& place, double scale, int rank) {
+  const std::size_t star = place.find('*');
+  const std::size_t dot = place.rfind('.');
+  const std::string last = dot == std::string::npos ? "" : place.substr(dot + 1);
+  FieldUse use = {signal, {}, last, scale, rank};
+  if (star == std::string::npos && last != "roll" && last != "pitch" && last != "yaw")
+    return {signal, {place}, "", scale, rank};
+  for (const char* part : {".w", ".x", ".y", ".z"})
+    use.paths.push_back(place.substr(0, std::min(star, dot)) + part);
+  for (const char* axis : {".x", ".y", ".z"}) {
+    if (star != std::string::npos) use.paths.push_back(place.substr(star + 1, dot - star - 1) + axis);
+  }
+  return use;
+}
+
+TopicSignals::TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses)
+    : type_(connection.type), layout_(connection.type, connection.definition), uses_(std::move(uses)) {
   paths_.emplace_back("header.stamp");
-  for (const FieldUse& use : uses_) {
-    names_.push_back(use.signal);
-    if (use.angle.empty()) {
-      paths_.push_back(use.path);
-    } else {
-      for (const char* part : kQuaternion) paths_.push_back(use.path + part);
-    }
-  }
-  if (with_velocity_) {
-    for (const char* part : kQuaternion) paths_.push_back(std::string(kOdometryAttitude) + part);
-    paths_.insert(paths_.end(), std::begin(kTwist), std::end(kTwist));
-    names_.insert(names_.end(), std::begin(kVelocity), std::end(kVelocity));
-  }
+  for (const FieldUse& use : uses_) paths_.insert(paths_.end(), use.paths.begin(), use.paths.end());
   for (std::size_t i = 1; i < paths_.size(); ++i) {
-    if (!layout_.has(paths_[i])) {
-      throw Error("topic " + topic_ + ": " + connection.type + " has no number " + paths_[i]);
-    }
+    if (!layout_.has(paths_[i]))
+      throw Error("topic " + connection.topic + ": " + connection.type + " has no number " + paths_[i]);
   }
-  values_.resize(names_.size());
+  values_.resize(uses_.size());
 }
 
 void TopicSignals::add(const BagMessage& message) {
@@ -69,26 +63,11 @@ void TopicSignals::add(const BagMessage& message) {
   }
   received_.push_back(message.time());
   stamps_.push_back(layout_.has(paths_.front()) ? numbers->front() : 0.0);
-  std::size_t at = 1;
-  std::size_t name = 0;
-  for (const FieldUse& use : uses_) {
-    if (use.angle.empty()) {
-      values_[name++].push_back(use.scale * (*numbers)[at++]);
-    } else {
-      const Eigen::Quaterniond q = quaternion(numbers->data() + at);
-      values_[name++].push_back(use.scale * angleOf(q.w(), q.x(), q.y(), q.z(), use.angle));
-      at += std::size(kQuaternion);
-    }
+  const double* at = numbers->data() + 1;
+  for (std::size_t i = 0; i < uses_.size(); ++i) {
+    values_[i].push_back(valueOf(uses_[i], at));
+    at += uses_[i].paths.size();
   }
-  if (!with_velocity_) return;
-  const Eigen::Quaterniond attitude = quaternion(numbers->data() + at);
-  const Eigen::Vector3d velocity =
-      attitude * Eigen::Map<const Eigen::Vector3d>(numbers->data() + at + std::size(kQuaternion));
-  for (Eigen::Index i = 0; i < 3; ++i) values_[name++].push_back(velocity[i]);
-}
-
-std::vector<std::string> TopicSignals::names() const {
-  return received_.empty() ? std::vector<std::string>{} : names_;
 }
 
 std::vector<std::string> TopicSignals::remarks(double start) const {
@@ -106,7 +85,7 @@ std::vector<std::string> TopicSignals::remarks(double start) const {
   return clauses;
 }
 
-std::map<std::string, TimeSeries> TopicSignals::series(double start, SignalClock which) const {
+TimeSeries TopicSignals::series(std::size_t use, double start, SignalClock which) const {
   const std::vector<double>& times = which == SignalClock::kHeaders ? stamps_ : received_;
   std::vector<std::size_t> order(times.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -118,15 +97,12 @@ std::map<std::string, TimeSeries> TopicSignals::series(double start, SignalClock
                      [&times](std::size_t one, std::size_t other) { return times[one] < times[other]; });
     piece = at + 1;
   }
-  std::map<std::string, TimeSeries> result;
-  for (std::size_t name = 0; name < names_.size(); ++name) {
-    TimeSeries& one = result[names_[name]];
-    for (const std::size_t i : order) {
-      one.time.push_back(times[i] - start);
-      one.value.push_back(values_[name][i]);
-    }
+  TimeSeries series;
+  for (const std::size_t i : order) {
+    series.time.push_back(times[i] - start);
+    series.value.push_back(values_[use][i]);
   }
-  return result;
+  return series;
 }
 
 }  // namespace polyfly

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -14,50 +13,54 @@ namespace polyfly {
 /// Which times the signals of a topic have.
 enum class SignalClock { kHeaders, kRecorder };
 
-/// A number of a message: a field as it is, or an angle of a quaternion.
+/// A signal in the messages of a topic.
 struct FieldUse {
   std::string signal;
-  /// Path of a number, or of a quaternion if an angle is requested.
-  std::string path;
-  /// roll, pitch, yaw; empty: the number itself.
-  std::string angle;
+  /// Paths of the numbers that it is made of: one; four of a quaternion; or these and three of a vector.
+  std::vector<std::string> paths;
+  /// Of a quaternion roll, pitch or yaw; of a vector that it turns x, y or z; empty: the number itself.
+  std::string part;
   /// Factor from the field's unit to that of the signal.
   double scale = 1.0;
+  /// The lowest rank wins where several fields give one signal.
+  int rank = 0;
 };
+
+/// From `FIELD`, `QUATERNION.roll` (or pitch, yaw), or `QUATERNION*VECTOR.x` (or y, z), the vector turned by the
+/// quaternion.
+FieldUse fieldUse(const std::string& signal, const std::string& place, double scale, int rank);
 
 /// Collects signals from the messages of one topic.
 class TopicSignals {
  public:
-  /// `with_velocity`: the message is an odometry, whose twist is turned into the world's frame for vx, vy,
-  /// vz.
-  TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses, bool with_velocity);
+  TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses);
 
   void add(const BagMessage& message);
 
-  /// Names of the signals. Empty if no message was usable.
-  std::vector<std::string> names() const;
+  const std::string& type() const { return type_; }
+  const std::vector<FieldUse>& uses() const { return uses_; }
+  /// Whether no message was usable.
+  bool isEmpty() const { return received_.empty(); }
 
   /// What the stamps are worth. Messages without a header have no stamp.
   HeaderClock clock() const { return headerClock(stamps_, received_); }
 
-  /// Series by signal, in order of time, counted from `start`.
-  std::map<std::string, TimeSeries> series(double start, SignalClock which) const;
+  /// The signal of this place in `uses`, in order of time, counted from `start`.
+  TimeSeries series(std::size_t use, double start, SignalClock which) const;
 
   /// What is wrong with the messages and their stamps, in clauses; times are counted from `start`.
   std::vector<std::string> remarks(double start) const;
 
  private:
-  std::string topic_;
+  std::string type_;
   MessageLayout layout_;
   std::vector<FieldUse> uses_;
-  bool with_velocity_ = false;
   std::vector<std::string> paths_;
   // Stamps of the headers [s]; 0 where there is none.
   std::vector<double> stamps_;
   // Receive times of the recorder [s].
   std::vector<double> received_;
-  std::vector<std::string> names_;
-  // Values of each name.
+  // Values of each use.
   std::vector<std::vector<double>> values_;
   std::size_t misfits_ = 0;
 };

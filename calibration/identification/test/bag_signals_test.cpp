@@ -74,7 +74,7 @@ class BagSignalsTest : public testing::Test {
     MadeBag bag;
     for (const std::string& vehicle : vehicles) {
       // Another vehicle does something else.
-      const double sign = same_ || vehicle == vehicles.front() ? 1.0 : -1.0;
+      const double sign = vehicle == vehicles.front() ? 1.0 : -1.0;
       const auto command = bag.connect(vehicle + "/command/roll_pitch_yawrate_thrust",
                                        "mav_msgs/RollPitchYawrateThrust", kCommand);
       const auto odometry = bag.connect(vehicle + "/odometry", "nav_msgs/Odometry", kOdometry);
@@ -127,8 +127,6 @@ class BagSignalsTest : public testing::Test {
   std::function<double(double)> stamp_ = [](double time) { return time; };
   // Stamp of a command minus its receive time [s].
   double command_lead_ = 0.0;
-  // True: all vehicles of writeFlight do the same, as where messages are recorded twice.
-  bool same_ = false;
 };
 
 TEST_F(BagSignalsTest, FindsCommandAndAttitude) {
@@ -235,37 +233,6 @@ TEST_F(BagSignalsTest, UsesTheTopicsOfOneNamespace) {
   EXPECT_NE(errorOf({}).find("choose with --namespace"), std::string::npos) << errorOf({});
 }
 
-TEST_F(BagSignalsTest, CountsMessagesInTwoTopicsOnce) {
-  same_ = true;
-  writeFlight({"", "/relay"});
-  const BagSignals bag = signalsFromBag(path_, {});
-  ASSERT_EQ(bag.health.remarks.size(), 2u);
-  EXPECT_EQ(bag.health.remarks[1], "topic /relay/odometry: repeats /odometry; its messages count once");
-  EXPECT_EQ(bag.signals.origin.at("roll"), "/odometry");
-  EXPECT_EQ(bag.signals.at("roll").time.size(), test::makeFlight({}, 1).response.time.size());
-}
-
-TEST_F(BagSignalsTest, AsksOnceWhereSomebodyAnswers) {
-  writeFlight({"/one", "/two"});
-  int questions = 0;
-  BagSignalOptions options;
-  options.ask = [&questions](const std::string& question, const std::vector<std::string>& choices) {
-    ++questions;
-    EXPECT_NE(question.find(" could come from /one/"), std::string::npos);
-    EXPECT_EQ(choices.size(), 2u);
-    return std::optional<std::size_t>(1);
-  };
-  const BagSignals found = signalsFromBag(path_, options);
-  EXPECT_EQ(found.signals.origin.at("roll"), "/two/odometry");
-  EXPECT_EQ(found.signals.origin.at("pitch_cmd"), "/two/command/roll_pitch_yawrate_thrust");
-  // One question is for the commands and one for the odometry.
-  EXPECT_EQ(questions, 2);
-  options.ask = [](const std::string&, const std::vector<std::string>&) {
-    return std::optional<std::size_t>();
-  };
-  EXPECT_NE(errorOf(options).find("choose with --namespace, with --topic"), std::string::npos);
-}
-
 // As mavros and motion capture record a flight.
 TEST_F(BagSignalsTest, ReadsAttitudeTargetsTransformsAndPoses) {
   const std::string quaternion =
@@ -323,17 +290,17 @@ TEST_F(BagSignalsTest, TakesSignalsFromChosenFields) {
   writeFlight({"/one"});
   BagSignalOptions options;
   options.choice["roll_cmd"] = "/one/odometry:pose.pose.orientation.roll";
-  options.choice["airspeed"] = "/one/odometry:twist.twist.linear.z";
+  options.choice["ve"] = "/one/odometry:twist.twist.linear.z";
   const BagSignals bag = signalsFromBag(path_, options);
   EXPECT_EQ(bag.signals.at("roll_cmd").value, bag.signals.at("roll").value);
-  EXPECT_EQ(bag.signals.origin.at("airspeed"), "/one/odometry");
-  options.choice["airspeed"] = "/nowhere:data";
+  EXPECT_EQ(bag.signals.origin.at("ve"), "/one/odometry");
+  options.choice["ve"] = "/nowhere:data";
   EXPECT_NE(errorOf(options).find("no topic /nowhere; there are /one/"), std::string::npos)
       << errorOf(options);
-  options.choice["airspeed"] = "/one/odometry:nonsense";
+  options.choice["ve"] = "/one/odometry:nonsense";
   EXPECT_NE(errorOf(options).find("nav_msgs/Odometry has no number nonsense"), std::string::npos)
       << errorOf(options);
-  options.choice["airspeed"] = "no colon";
+  options.choice["ve"] = "no colon";
   EXPECT_NE(errorOf(options).find("TOPIC:FIELD"), std::string::npos) << errorOf(options);
 }
 

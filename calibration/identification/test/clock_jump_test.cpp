@@ -128,11 +128,8 @@ TEST(ClockJump, WithTimesThatAreNoNumbersIsToldFromThem) {
   EXPECT_EQ(steps[0].from, 0.1);
   EXPECT_EQ(steps[0].to, 1e300);
   EXPECT_EQ(steps[1].to, 0.2);
-  CleaningCounts counts;
-  const TimeSeries clean = cleaned({time, std::vector<double>(time.size(), 1.0)}, &counts);
+  const TimeSeries clean = cleaned({time, std::vector<double>(time.size(), 1.0)});
   EXPECT_EQ(clean.time, (std::vector<double>{0.0, 0.1, 0.2, 1e300}));
-  EXPECT_EQ(counts.not_finite, 3u);
-  EXPECT_EQ(counts.out_of_order, 1u);
 }
 
 TEST(ClockJump, IsToldWithItsPlaceAndSize) {

@@ -164,7 +164,6 @@ class Simulation {
     put("vz", velocity_.z() + noise(kVelocityNoise));
     if (!made_.many_signs) return;
     put("thrust_cmd", thrust_);
-    put("height", position_.z());
     put("gyro_x", rate_[0] + noise(kRateNoise));
     put("gyro_y", rate_[1] + noise(kRateNoise));
     put("specific_force_z",

@@ -22,7 +22,7 @@ struct MadeStretches {
   double hovers = 0.0;
   /// Manoeuvres, in two halves of equal length [s].
   double manoeuvres = 60.0;
-  /// False: throttle, height and accelerometer are not recorded.
+  /// False: throttle and accelerometer are not recorded.
   bool many_signs = true;
 };
 

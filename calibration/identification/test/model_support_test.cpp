@@ -160,7 +160,6 @@ TEST_F(ReasonsAgainst, JudgeTheIntervalThatIsHandedOut) {
   ControllerModel model = sound_;
   FittedParameter& gain = parameter(&model, "gain");
   gain.value = model.fit.gain = 1.025;
-  gain.standard_error = 0.0594;
   gain.half_width = 0.755;
   EXPECT_EQ(reasonOf(model).find(
                 "Too little excitation for gain, or flights that differ: its 95 % interval, 0.27 .. 1.78"),

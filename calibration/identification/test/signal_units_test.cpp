@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegreesPerUnit = 57.29577951308232;
 
-// Roll, pitch and yaw of slow sines with their gyros and commands, and gravity.
+// Roll and pitch of slow sines with their commands, and gravity.
 FlightSignals madeSignals() {
   FlightSignals signals;
   signals.source = "made signals";
@@ -24,13 +24,7 @@ FlightSignals madeSignals() {
     };
     put("roll", 0.2 * std::sin(1.3 * t));
     put("roll_cmd", 0.2 * std::sin(1.3 * (t + 0.1)));
-    put("gyro_x", 0.26 * std::cos(1.3 * t));
     put("pitch", 0.15 * std::sin(1.7 * t));
-    put("gyro_y", 0.255 * std::cos(1.7 * t));
-    put("yaw", std::remainder(5.0 * std::sin(0.4 * t), 6.283185307179586));
-    put("gyro_z", 2.0 * std::cos(0.4 * t));
-    put("yaw_rate", 2.0 * std::cos(0.4 * t));
-    put("yaw_rate_cmd", 2.0 * std::cos(0.4 * (t + 0.1)));
     put("specific_force_z", 9.8 + 0.5 * std::sin(t));
   }
   return signals;
@@ -52,13 +46,12 @@ TEST(SignalUnits, SayNothingOfGoodSignals) {
   }
 }
 
-// A tumble in which roll is counted beyond half a turn, again and again, and no gyro is there to tell the unit.
+// A tumble in which roll is counted beyond half a turn, again and again.
 TEST(SignalUnits, AreJudgedWithinFlight) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     test::MadeStretches made;
     made.tumbles = 2.0;
     FlightSignals flight = test::makeStretches(made, seed).signals;
-    for (const char* gyro : {"gyro_x", "gyro_y", "gyro_z"}) flight.series.erase(gyro);
     TimeSeries& roll = flight.series.at("roll");
     const double crash = roll.time.back() - made.tumbles;
     for (std::size_t i = 0; i < roll.time.size(); ++i) {
@@ -73,7 +66,6 @@ TEST(SignalUnits, AreJudgedWithinFlight) {
 
 TEST(SignalUnits, AdviseTheOtherUnitThanThatWhichWasChosen) {
   FlightSignals signals = madeSignals();
-  signals.series.erase("gyro_x");
   scale(&signals, "roll", kDegreesPerUnit);
   signals.origin["roll"] = "ATT:Roll:deg";
   try {
@@ -86,28 +78,14 @@ TEST(SignalUnits, AdviseTheOtherUnitThanThatWhichWasChosen) {
   }
 }
 
-// The unit of the gyro, or of an angle too small to be beyond pi.
-TEST(SignalUnits, WarnWhereAngleAndRateDiffer) {
-  FlightSignals signals = madeSignals();
-  scale(&signals, "gyro_x", kDegreesPerUnit);
-  scale(&signals, "pitch", 10.0);
-  signals.origin["gyro_x"] = "gx_radps";
-  const std::vector<std::string> told = checkUnits(&signals);
-  ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[0].find("roll changes by 0.017"), 0u) << told[0];
-  EXPECT_NE(told[0].find("--signal gyro_x=gx_radps:deg takes it for degrees"), std::string::npos) << told[0];
-  EXPECT_NE(told[1].find("--signal pitch=PLACE:deg"), std::string::npos) << told[1];
-}
-
 TEST(SignalUnits, RefuseACommandBeyondPi) {
   FlightSignals signals = madeSignals();
   scale(&signals, "roll_cmd", kDegreesPerUnit);
   EXPECT_THROW(checkUnits(&signals), Error);
 }
 
-TEST(SignalUnits, RefuseAnAngleBeyondPiThatNothingTells) {
+TEST(SignalUnits, RefuseAnAngleBeyondPi) {
   FlightSignals signals = madeSignals();
-  signals.series.erase("gyro_x");
   scale(&signals, "roll", kDegreesPerUnit);
   signals.origin["roll"] = "roll_rad";
   try {
@@ -118,14 +96,6 @@ TEST(SignalUnits, RefuseAnAngleBeyondPiThatNothingTells) {
     EXPECT_NE(what.find("made signals: roll: "), std::string::npos) << what;
     EXPECT_NE(what.find("--signal roll=roll_rad:deg"), std::string::npos) << what;
   }
-}
-
-TEST(SignalUnits, TellASign) {
-  FlightSignals signals = madeSignals();
-  scale(&signals, "gyro_y", -1.0);
-  const std::vector<std::string> told = checkUnits(&signals);
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_NE(told[0].find("opposite signs"), std::string::npos) << told[0];
 }
 
 TEST(SignalUnits, DropAnAccelerometerWithoutGravity) {

@@ -29,9 +29,7 @@ struct AutopilotSignals {
 /// - specific_force_z: sensor_combined.accelerometer_m_s2[2], else vehicle_acceleration.xyz[2]; IMU.AccZ
 /// - vx, vy, vz, vn, ve: vehicle_local_position.vx ...; XKF1.VN ..., else NKF1, EKF1,
 ///   else GPS.Spd, .GCrs, .VZ
-/// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed, else NTUN.Arspd
-/// - to check the others: gyro, of sensor_combined and IMU; height, of
-///   vehicle_local_position.z and XKF1.PD, else NKF1, EKF1, else GPS.Alt
+/// - gyro_z: sensor_combined.gyro_rad[2]; IMU.GyrZ. By it the reader tells the unit of RATE
 ///
 /// The kind of vehicle is that of vehicle_status, and of the messages that only ArduPlane or ArduCopter writes.
 ///

@@ -103,7 +103,7 @@ const char* nameOf(ExcitationState state);
 /// Flies a plan: adds its deviations to a loop that holds position, height and heading, and watches the
 /// limits. Free of ROS and clocks; the time is that of the odometry.
 ///
-/// During 2-1-1 and doublet, roll and pitch of the loop stand still, so that the response is that to the pulses.
+/// During 2-1-1, roll and pitch of the loop stand still, so that the response is that to the pulses.
 /// Height is held all the time. An aborted flight is not taken up again.
 class ExcitationFlight {
  public:

@@ -14,11 +14,9 @@ const char* unitOf(ExcitedChannel channel);  ///< rad, rad, rad/s, m/s^2 (thrust
 
 enum class ExcitationShape {
   kTwoOneOne,  ///< a pulse of two units of time, one of one against it, one of one along it
-  kDoublet,    ///< a pulse of one unit, then one against it
   kMultisine,  ///< tones of equal amplitude at equal ratios, phases by Schroeder's rule for a low peak
-  kChirp,      ///< a sine whose frequency grows by equal ratios in equal times
 };
-const char* nameOf(ExcitationShape shape);  ///< 2-1-1, doublet, multisine, chirp
+const char* nameOf(ExcitationShape shape);  ///< 2-1-1, multisine
 
 /// One manoeuvre of one channel.
 struct Manoeuvre {
@@ -26,13 +24,13 @@ struct Manoeuvre {
   ExcitationShape shape = ExcitationShape::kTwoOneOne;
   /// Greatest deviation, with its sign [unit of the channel].
   double amplitude = 0.1;
-  /// Time unit of 2-1-1 and doublet, the "1" [s].
+  /// Time unit of 2-1-1, the "1" [s].
   double unit_time = 0.4;
-  /// Length of multisine and chirp [s].
+  /// Length of a multisine [s].
   double length = 20.0;
-  /// Lowest frequency of multisine and chirp [Hz].
+  /// Lowest frequency of a multisine [Hz].
   double frequency_from = 0.1;
-  /// Highest frequency of multisine and chirp [Hz].
+  /// Highest frequency of a multisine [Hz].
   double frequency_to = 3.0;
   /// Number of tones of a multisine.
   int tones = 12;
@@ -65,13 +63,7 @@ struct ExcitationPlan {
 ExcitationPlan parsePlan(const std::string& text, const std::string& source);
 ExcitationPlan loadPlan(const std::string& path);
 
-/// Amplitude spectrum |sum u_k exp(-2 pi i f t_k)| dt of a signal that holds each sample for dt, by
-/// Goertzel's recursion. `frequencies` [Hz] below 1 / (2 dt). Unit: that of the signal times seconds.
-std::vector<double> amplitudeSpectrum(const std::vector<double>& samples, double dt,
-                                      const std::vector<double>& frequencies);
-
-/// The plan in words and numbers: manoeuvres and duration. For each channel a table has its spectrum, with the share
-/// of its energy below each frequency.
+/// The plan in words and numbers: manoeuvres and duration.
 std::string describe(const ExcitationPlan& plan);
 
 }  // namespace polyfly

@@ -30,7 +30,6 @@ class ExciteNode {
   GuardedQueue queue_;
   polyfly::ExcitationOptions options_;
   bool engaged_ = false;
-  bool shutdown_when_done_ = false;
   polyfly::ExcitationFlight flight_;  // after what is read with its plan
   double last_yaw_ = 0.0;
   polyfly::ExcitationState told_state_ = polyfly::ExcitationState::kWaiting;

@@ -6,21 +6,14 @@
 
 #include "identification/calibration_file.hpp"
 #include "identification/identify_axis.hpp"
-#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
 /// What one run of `calibrate attitude` found.
-struct AttitudeCalibration {
-  /// The flights, one or several of one vehicle.
-  std::vector<Provenance> training;
+struct AttitudeCalibration : CalibrationFlights {
   std::optional<Provenance> validation;
-  VehicleKind vehicle;
   std::vector<AxisModel> axes;
-  /// True: parts of a flight's record are lost. The remarks say which.
-  bool lossy = false;
-  std::vector<std::string> remarks;  ///< sentences: what was wrong with the files
-  std::vector<std::string> failed;   ///< sentences: axes that could not be identified
+  std::vector<std::string> failed;  ///< sentences: axes that could not be identified
 };
 
 /// The content of the calibration file, keys explained in README.md.

@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,10 +18,6 @@ struct BagSignalOptions {
   /// `:deg` after a number makes radians of degrees.
   std::map<std::string, std::string> choice;
   std::function<void(double)> progress;  ///< share of the file that was read
-  /// Asked where two topics could give a signal: the index of the one, or none. Error if there is nobody.
-  std::function<std::optional<std::size_t>(const std::string& question,
-                                           const std::vector<std::string>& choices)>
-      ask;
 };
 
 struct BagSignals {

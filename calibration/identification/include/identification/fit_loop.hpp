@@ -34,9 +34,7 @@ struct FittedParameter {
   std::string name;
   std::string unit;
   double value = 0.0;
-  /// Standard error. It is NaN where the data do not bound it.
-  double standard_error = 0.0;
-  /// Half width of the 95 % confidence interval.
+  /// Half width of the 95 % confidence interval. It is NaN where the data do not bound the value.
   double half_width = 0.0;
   /// Whether the data are sufficient to use the value.
   bool supported = true;
@@ -54,8 +52,8 @@ struct LoopFit {
   double offset = 0.0;
   /// First order: gain, tau, delay; second: a0, a1, b0, delay; offset.
   std::vector<FittedParameter> parameters;
-  /// Covariance of tau and delay [s^2]; 0 where the delay is not fitted.
-  double lag_delay_covariance = 0.0;
+  /// Covariance of tau and delay, as the squares of half widths [s^2]; 0 where the delay is not fitted.
+  double lag_delay_square = 0.0;
   /// Fit 100 (1 - |y - model| / |y - mean y|) over all segments [%].
   double fit_percent = 0.0;
   /// Robust standard deviation of the residuals.
@@ -69,7 +67,7 @@ struct LoopFit {
 
 /// Fits gain, offset, shape and the initial state of each segment. It takes the least loss of Huber over the whole
 /// box (DIRECT), then locally (Nelder-Mead) with the scale taken from the residuals. Gain, offset and initial states
-/// are linear and solved for at every point. Standard errors are those of an M-estimator whose residuals are
+/// are linear and solved for at every point. Intervals are those of an M-estimator whose residuals are
 /// correlated in time (Newey and West 1987). Throws Error when there is no segment, or when command or response is
 /// constant.
 LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& options);

@@ -9,12 +9,11 @@ namespace polyfly {
 
 /// Finds the stretches in which the vehicle does not fly, in order of time, without overlap, with reasons.
 ///
-/// - Upset: it tilts far beyond what was commanded. Rest that follows soon belongs to it.
-/// - Ground, unless `on_ground`: throttle at its least, with no speed or with the attitude at rest. Without a throttle:
-///   attitude at rest, no speed, and height at its least.
+/// - Upset: it tilts far beyond what was commanded.
+/// - Ground, unless `on_ground`: throttle at its least, with no speed or with the attitude at rest. Without a
+///   throttle: no speed and the attitude at rest.
 ///
-/// What a signal would tell is left out of the judgement where the signal is not there. No stretch is found where
-/// neither attitude nor velocity is sampled at least twice per second. The times of the signals may jump.
+/// No stretch is found where the attitude is not sampled twice per second. The times of the signals may jump.
 std::vector<RejectedWindow> findNonFlight(const FlightSignals& signals, bool on_ground = false);
 
 /// For each reason a clause with its times: "55.2 .. 60 s: upset, not commanded".

@@ -22,12 +22,8 @@ namespace polyfly {
 /// | roll, pitch, yaw, yaw_rate | measured [rad], [rad/s] |
 /// | specific_force_z | along the body's z, by the accelerometer, + g at rest [m/s^2] |
 /// | vx, vy, vz | in W [m/s] |
-/// | vn, ve, airspeed | velocity over ground to north and east, speed through the air [m/s] |
-/// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
-/// | height | up positive, above any level [m] |
-///
-/// Rates of the gyro and the height serve to check the others only: units
-/// (signal_units.hpp), and where the vehicle flies (flight_phases.hpp).
+/// | vn, ve | velocity over ground to north and east [m/s] |
+/// | gyro_z | rate about the body's z axis, by the gyro; for readers that check others by it [rad/s] |
 struct FlightSignals {
   /// File that the signals come from.
   std::string source;

@@ -19,13 +19,15 @@ struct AxisRecords {
   std::string unit;
   /// Unit of the command: rad or rad/s. For thrust it is the logged unit.
   std::string command_unit;
+  /// Clauses on the options that take command or response for another unit.
+  std::string command_help;
+  std::string response_help;
   LoopRecord training;
   std::optional<LoopRecord> validation;
   /// Command of the axis that would answer if frames were wrong, in the same flight.
   std::optional<TimeSeries> other_command;
   /// Vertical velocity in the same flight, up positive, for the thrust loop only [m/s].
   std::optional<TimeSeries> vertical_velocity;
-  CleaningCounts cleaning;
 };
 
 struct IdentifyOptions {
@@ -44,7 +46,6 @@ struct AxisModel {
   std::string unit;
   std::string command_unit;
   std::string source;
-  CleaningCounts cleaning;
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;

@@ -19,6 +19,9 @@ struct TimeWindow {
   double from = 0.0;  ///< [s]
   double to = 0.0;    ///< [s]
 };
+inline bool operator==(const TimeWindow& one, const TimeWindow& other) {
+  return one.from == other.from && one.to == other.to;
+}
 
 /// A stretch of a flight that is left out.
 struct RejectedWindow {
@@ -36,13 +39,6 @@ struct LoopRecord {
   double smoothing = 0.0;
   /// Stretches in which the vehicle does not fly (see findNonFlight), in order of time.
   std::vector<RejectedWindow> not_flight;
-};
-
-/// What had to be taken out of a record before it could be used.
-struct CleaningCounts {
-  std::size_t not_finite = 0;    ///< samples that are NaN or infinite, in time or value
-  std::size_t out_of_order = 0;  ///< samples whose time does not exceed that of the sample before
-  std::size_t repeated = 0;      ///< samples that were recorded before, with the same time and value
 };
 
 /// A step between samples, forward or back, that is far: there the clock was set, or nothing was recorded.
@@ -86,9 +82,6 @@ std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
 /// The series with finite samples of increasing time only. Where its times jump far, the pieces between are put in
 /// the order of their times first. So a clock that was set back costs no more than what overlaps. Throws Error when
 /// times and values differ in number.
-TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts);
-
-/// The same, where nobody asks what was taken out.
 TimeSeries cleaned(const TimeSeries& series);
 
 /// The straight line between neighbouring samples; the first and last value beyond them. Not empty.

@@ -46,7 +46,7 @@ constexpr double kLeastValidation = 50.0;
 /// The first-order lag without delay that stands for a lag with a delay: the same gain, and tau + delay as
 /// time constant. Its phase is that of the loop at low frequencies, where a controller works. The least-squares
 /// lag without delay has too great a gain and lag instead. Fit and prediction are those of this model on the
-/// segments; standard errors follow from the covariance of `with_delay`.
+/// segments; intervals follow from those of `with_delay`.
 LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>& segments);
 
 /// Sentences on why no controller may be given this model of a loop. The reasons are a poor fit, a poor or no

@@ -1,25 +1,16 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "identification/calibration_file.hpp"
 #include "identification/motion.hpp"
-#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
 /// What `calibrate disturbance`, `drag` or `mass` found; bounds of the first, parameters of the others.
-struct MotionCalibration {
+struct MotionCalibration : CalibrationFlights {
   std::string kind;
-  /// The flights, one or several of one vehicle.
-  std::vector<Provenance> data;
-  VehicleKind vehicle;
-  /// True: parts of a flight's record are lost. The remarks say which.
-  bool lossy = false;
-  /// Sentences on what was wrong with the files.
-  std::vector<std::string> remarks;
   /// Windows that were used, one list for each flight. Empty: the whole record.
   std::vector<std::vector<TimeWindow>> windows;
   BoundOptions limits;
