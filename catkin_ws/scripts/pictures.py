@@ -8,8 +8,7 @@ import os
 import re
 import sys
 
-PICTURES = {"The flight from above": "flight.svg", "Where the flight spent its time": "coverage.svg",
-            "Look-up time": "latency.svg"}
+PICTURES = {"The flight from above": "flight.svg", "Distance to the map's edge": "coverage.svg"}
 NEAR = 1.5  # a point of a line nearer than this to the one before is left out [px]
 
 
@@ -47,12 +46,12 @@ def main(report, folder):
     with open(report, encoding="utf-8") as file:
         page = file.read()
     os.makedirs(folder, exist_ok=True)
-    found = dict(re.findall(r"<section><h2>(.*?)</h2><p>.*?</p>\s*(<svg.*?</svg>)", page, re.DOTALL))
+    found = dict(re.findall(r"<h2>([^<]*)</h2>(?:<p>[^<]*</p>\s*)*(<svg.*?</svg>)", page, re.DOTALL))
     for heading, name in PICTURES.items():
-        if html.escape(heading) not in found:
+        if html.escape(heading, quote=False) not in found:
             sys.exit("%s: there is no picture '%s'" % (report, heading))
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-            file.write(compact(found[html.escape(heading)]))
+            file.write(compact(found[html.escape(heading, quote=False)]))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 #include <console_bridge/console.h>
 #include <std_msgs/Float64.h>
-#include <visualization_msgs/Marker.h>
 
 #include <algorithm>
 
@@ -11,27 +10,6 @@
 
 namespace polyfly_ros {
 namespace {
-
-// Line width of the path in rviz [m].
-constexpr double kLineWidth = 0.03;
-
-std_msgs::ColorRGBA colorOf(float r, float g, float b) {
-  std_msgs::ColorRGBA color;
-  color.r = r;
-  color.g = g;
-  color.b = b;
-  color.a = 1.0F;
-  return color;
-}
-
-const std_msgs::ColorRGBA kGreen = colorOf(0.0F, 0.62F, 0.45F);
-const std_msgs::ColorRGBA kRed = colorOf(0.84F, 0.0F, 0.0F);
-
-bool insideAll(const polyfly::ReplaySample& sample) {
-  return std::all_of(
-      sample.report.axis.begin(), sample.report.axis.end(),
-      [](const polyfly::AxisReport& axis) { return axis.lookup == polyfly::LookupStatus::kInside; });
-}
 
 // A bag has no time 0.
 ros::Time timeOf(double stamp) { return std::max(ros::TIME_MIN, stampOf(stamp)); }
@@ -90,7 +68,6 @@ void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
     if (!sample.has_reference) continue;
     number("tracking_error", sample.state.stamp, (sample.state.position - sample.reference.position).norm());
   }
-  writePath(samples);
 } catch (const rosbag::BagException& failure) {
   fail(failure);
 }
@@ -110,28 +87,6 @@ void ValidationTopics::writeAxis(const std::vector<polyfly::ReplaySample>& sampl
   }
   for (const auto& [stamp, difference] : axis.qp_series)
     number(axis.axis + "/qp_difference", stamp, difference);
-}
-
-void ValidationTopics::writePath(const std::vector<polyfly::ReplaySample>& samples) {
-  if (samples.empty()) return;
-  visualization_msgs::Marker path;
-  path.header.stamp = timeOf(samples.back().state.stamp);
-  path.header.frame_id = "world";
-  path.ns = "flown";
-  path.type = visualization_msgs::Marker::LINE_STRIP;
-  path.action = visualization_msgs::Marker::ADD;
-  path.pose.orientation.w = 1.0;
-  path.scale.x = kLineWidth;
-  for (const polyfly::ReplaySample& sample : samples) {
-    if (!sample.state.position.allFinite()) continue;
-    geometry_msgs::Point point;
-    point.x = sample.state.position.x();
-    point.y = sample.state.position.y();
-    point.z = sample.state.position.z();
-    path.points.push_back(point);
-    path.colors.push_back(insideAll(sample) ? kGreen : kRed);
-  }
-  bag_->write("/validation/markers", path.header.stamp, path);
 }
 
 void ValidationTopics::close() {

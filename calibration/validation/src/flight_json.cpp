@@ -46,17 +46,11 @@ Json json(const DistanceUse& use, std::size_t samples) {
 
 Json json(const ParameterUse& use) {
   const auto [lower, upper] = use.proposedRange();
-  return {{"name", use.name},
-          {"unit", use.unit},
-          {"lower", use.lower},
-          {"upper", use.upper},
-          {"least", use.least},
-          {"greatest", use.greatest},
-          {"outside", use.outside},
-          {"margin", use.margin()},
-          {"room", use.room},
-          {"histogram", use.histogram},
-          {"proposed_range", {lower, upper}}};
+  return {{"name", use.name},       {"unit", use.unit},
+          {"lower", use.lower},     {"upper", use.upper},
+          {"least", use.least},     {"greatest", use.greatest},
+          {"outside", use.outside}, {"margin", use.margin()},
+          {"room", use.room},       {"proposed_range", {lower, upper}}};
 }
 
 // Samples by status; of those that were met, or of all.
@@ -99,13 +93,10 @@ Json json(const AxisValidation& axis) {
       axis.edge_parameter < 0 ? Json()
                               : Json(axis.parameters[static_cast<std::size_t>(axis.edge_parameter)].name);
   out["excursions"] = listOf(axis.excursions, [](const auto& excursion) { return json(excursion); });
-  for (const MapUse::Window& window : axis.windows)
-    out["by_second"].push_back({window.from, window.samples, window.inside});
   out["qp_compared"] = axis.qp_compared;
   out["qp_failures"] = axis.qp_failures;
   out["qp_difference"] = json(axis.qp);
   out["lookup_ns"] = json(axis.lookup_ns);
-  out["lookup_shuffled_ns"] = json(axis.lookup_shuffled_ns);
   out["tracking_m"] = json(axis.tracking);
   return out;
 }
@@ -143,35 +134,6 @@ Json json(const HoldOffset& hold) {
           {"offset_m", json(hold.offset)},
           {"disturbance_estimate_m_s2", json(hold.estimate)},
           {"disturbance_m_s2", hold.disturbance ? json(*hold.disturbance) : Json()}};
-}
-
-Json json(const MapComparison& other) {
-  return {{"axis", other.axis},
-          {"map", fileName(other.path)},
-          {"regions", other.use.regions()},
-          {"regions_visited", other.use.visited()},
-          {"samples", other.use.samples},
-          {"inside", other.use.inside},
-          {"inside_both", other.both},
-          {"inside_only_flown", other.only_flown},
-          {"inside_only_other", other.only_other},
-          {"difference", json(other.difference)},
-          {"unit", other.input_unit},
-          {"qp_difference", json(other.qp)},
-          {"qp_failures", other.qp_failures},
-          {"lookup_ns", json(other.lookup_ns)}};
-}
-
-Json json(const MapProposal& proposal) {
-  Json changes = Json::array();
-  for (const MapProposal::Change& change : proposal.changes)
-    changes.push_back(
-        {{"parameter", change.parameter}, {"unit", change.unit}, {"from", change.from}, {"to", change.to}});
-  return {{"axis", proposal.axis},
-          {"map", fileName(proposal.map_path)},
-          {"changes", changes},
-          {"samples_without_solution", proposal.infeasible},
-          {"obstacle", proposal.obstacle}};
 }
 
 Json json(const RecordingShare::Amount& amount) {
@@ -245,8 +207,6 @@ Json jsonOf(const ValidationReport& report) {
   out["parameters"] = report.parameters ? json(*report.parameters, report.axes) : Json();
   out["broken"] = report.broken;
   out["warnings"] = report.warnings;
-  out["comparisons"] = listOf(report.comparisons, [](const auto& other) { return json(other); });
-  out["proposals"] = listOf(report.proposals, [](const auto& proposal) { return json(proposal); });
   return out;
 }
 

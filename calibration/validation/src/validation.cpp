@@ -159,7 +159,7 @@ ValidationReport validate(const std::vector<ReplayedFlight>& flights, const Axis
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
     report.axes[axis] = validateAxis(flights, *maps[axis], axis);
-    const std::vector<double>& times = report.axes[axis].lookups.in_order;
+    const std::vector<double>& times = report.axes[axis].lookup_times;
     lookups.insert(lookups.end(), times.begin(), times.end());
   }
   report.lookup_ns = percentiles(lookups);

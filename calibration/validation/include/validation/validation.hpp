@@ -10,8 +10,6 @@
 #include "validation/difference.hpp"
 #include "validation/flight_log.hpp"
 #include "validation/lookup_times.hpp"
-#include "validation/map_comparison.hpp"
-#include "validation/map_proposal.hpp"
 #include "validation/map_use.hpp"
 #include "validation/parameters_told.hpp"
 #include "validation/replay.hpp"
@@ -57,11 +55,9 @@ struct AxisValidation : MapUse {
   /// Difference |explicit - online| of the axis' input, over samples inside the map.
   Difference qp;
 
-  LookupTimes lookups;
-  /// Look-up times of lookups.in_order [ns].
+  /// See measureLookups [ns].
+  std::vector<double> lookup_times;
   Percentiles lookup_ns;
-  /// Look-up times of lookups.shuffled [ns].
-  Percentiles lookup_shuffled_ns;
 
   /// Tracking error |position - reference| [m].
   Difference tracking;
@@ -161,11 +157,6 @@ struct ValidationReport {
   std::vector<std::string> warnings;
   /// Sentences of brokenThresholds, where they were asked for.
   std::vector<std::string> broken;
-
-  /// Comparisons with other maps, where compareMaps was requested.
-  std::vector<MapComparison> comparisons;
-  /// Proposed problems, where proposeMap was requested.
-  std::vector<MapProposal> proposals;
 
   Verdict verdict() const;
   /// Whether nothing of the recording is known to be lost or altered.
