@@ -27,22 +27,8 @@ using polyfly::FlightLog;
 // Whether a law was asked for a command, or would have been had the sample been good.
 bool hasReference(polyfly::ControlStatus status) {
   using polyfly::ControlStatus;
-  switch (status) {
-    case ControlStatus::kNoReference:
-    case ControlStatus::kStopped:
-    case ControlStatus::kManual:
-    case ControlStatus::kMotorsOff:
-      return false;
-    case ControlStatus::kOptimal:
-    case ControlStatus::kClipped:
-    case ControlStatus::kHoldLast:
-    case ControlStatus::kLevel:
-    case ControlStatus::kDescend:
-    case ControlStatus::kSuboptimal:
-    case ControlStatus::kLeastViolation:
-      return true;
-  }
-  return false;
+  return polyfly::isAnswer(status) || status == ControlStatus::kHoldLast || status == ControlStatus::kLevel ||
+         status == ControlStatus::kDescend;
 }
 
 // Collects the log while messages come in the order of the record, then settles what that order leaves open:

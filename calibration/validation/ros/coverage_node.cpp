@@ -2,6 +2,7 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
+#include <exception>
 #include <limits>
 #include <vector>
 
@@ -66,7 +67,7 @@ DiagnosticStatus statusOf(const polyfly::MapUse& use, const polyfly::RegionMap& 
 
 }  // namespace
 
-CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
     : queue_(handle) {
   ParameterReader reader(private_handle);
   for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
@@ -89,6 +90,9 @@ CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle&
   subscriber_ = nh.subscribe("controller_status", kQueue, &CoverageNode::onStatus, this,
                              ros::TransportHints().tcpNoDelay());
   timer_ = nh.createWallTimer(ros::WallDuration(period), [this](const ros::WallTimerEvent&) { publish(); });
+} catch (const std::exception& error) {
+  ROS_FATAL("coverage does not start: %s", error.what());
+  throw;
 }
 
 CoverageNode::~CoverageNode() {

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <map>
-#include <optional>
+#include <memory>
 
 #include "identification/loop_record.hpp"
-#include "online_axis.hpp"
 #include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/axis_law.hpp"
 #include "region_maps/region_map.hpp"
 #include "validation_parts.hpp"
 
@@ -73,10 +73,12 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
   axis.axis = kAxisNames[index].axis;
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
-  OnlineAxis online(map);
+  // None for a map of a minimum-peak robust MPC; `offline_mpt verify --exact` proves it.
+  const std::unique_ptr<AxisLaw> online = explicitAxisLaw(map, problemOf(map, axis.axis))->onlineEquivalent();
   MapUseCounter counter(map);
   std::vector<double> thetas;
   std::vector<double> input(map.inputs().size());
+  std::vector<double> solved(map.inputs().size());
   const std::vector<double> nothing(map.parameters().size(), std::numeric_limits<double>::quiet_NaN());
   DifferenceCollector qp;
   DifferenceCollector tracking;
@@ -94,12 +96,11 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
       if (use.lookup.status != LookupStatus::kInside) continue;
       axis.edge_series.push_back({stamp, use.face, use.edge});
       thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
-      if (!online.solves()) continue;
+      if (!online) continue;
       map.evaluate(report.theta.data(), input.data());
-      const std::optional<double> solved = online.input(report.theta.data());
-      if (solved) {
-        qp.add(input.front() - *solved, stamp);
-        axis.qp_series.push_back({stamp, std::abs(input.front() - *solved)});
+      if (online->evaluate(report.theta.data(), solved.data()).status == LookupStatus::kInside) {
+        qp.add(input.front() - solved.front(), stamp);
+        axis.qp_series.push_back({stamp, std::abs(input.front() - solved.front())});
       } else {
         ++axis.qp_failures;
       }

@@ -168,13 +168,7 @@ ValidationReport validate(const std::vector<ReplayedFlight>& flights, const Axis
   if (flights.size() > 1) return report;
   report.parameters = parametersTold(first.log);
   report.hold = holdOffset(first.log, first.samples);
-  report.warnings = recordWarnings(first.log, report);
-  std::vector<std::string> more = flightWarnings(first);
-  if (report.parameters) {
-    const std::vector<std::string> told = parameterWarnings(*report.parameters, maps, first.options);
-    more.insert(more.end(), told.begin(), told.end());
-  }
-  report.warnings.insert(report.warnings.end(), more.begin(), more.end());
+  report.warnings = warningsOf(first, maps, report);
   return report;
 }
 

@@ -7,6 +7,7 @@
 
 #include "identification/header_clock.hpp"
 #include "identification/loop_record.hpp"
+#include "online_controller/estimation/odometry_gate.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {
@@ -18,6 +19,16 @@ constexpr double kMissing = 0.05;
 constexpr double kLeastMissing = 0.2;
 // Longest time between a command and later odometry in which the controller counts as running [s].
 constexpr double kLongestPause = 1.0;
+// Least root mean square difference of commands that is worth a sentence [rad].
+constexpr double kLeastAngle = 2e-3;
+// The first ones of CommandValidation::difference.
+constexpr std::array<const char*, 2> kAngles = {"roll", "pitch"};
+// Least root mean square position error for which another frame is suspected [m].
+constexpr double kFrameError = 0.5;
+// Greatest share of the position error that is left over in the frame that is meant.
+constexpr double kFrameShare = 0.5;
+// Greatest share of samples that may contradict themselves without a warning.
+constexpr double kContradicting = 0.05;
 
 void warnOfLoss(const FlightLog& log, std::vector<std::string>* warnings) {
   if (!log.share) return;
@@ -40,6 +51,15 @@ void warnOfUnmatched(const CommandValidation& commands, std::vector<std::string>
       std::to_string(commands.unmatched) + " of " + std::to_string(commands.recorded) +
       " recorded commands answer no recorded odometry and are not compared: odometry is lost, or the "
       "stamps of both are of different clocks.");
+}
+
+void warnOfOtherCommands(const CommandValidation& commands, std::vector<std::string>* warnings) {
+  for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
+    if (!(commands.difference[angle].rms >= kLeastAngle)) continue;
+    warnings->push_back(std::string("The recorded ") + kAngles[angle] +
+                        " commands are not those that these maps give with these options: are --map and "
+                        "--options what flew?");
+  }
 }
 
 // Pauses in which no topic of the flight holds anything, in seconds after the first odometry. A silence that the node
@@ -134,16 +154,63 @@ void warnOfSilence(const FlightLog& log, std::vector<std::string>* warnings) {
   warnings->push_back(text.data());
 }
 
+void warnOfClock(const FlightLog& log, std::vector<std::string>* warnings) {
+  std::vector<double> stamps;
+  for (const VehicleState& state : log.odometry) stamps.push_back(state.stamp);
+  for (const std::string& sentence : sentencesOn(farSteps(stamps))) {
+    warnings->push_back("Odometry: " + sentence + "; the flight is judged in pieces.");
+  }
+}
+
+void warnOfFrames(const std::vector<ReplaySample>& samples, std::vector<std::string>* warnings) {
+  double as_is = 0.0, turned = 0.0, count = 0.0;
+  for (const ReplaySample& sample : samples) {
+    if (!sample.has_reference || !sample.state.position.allFinite()) continue;
+    const Eigen::Vector3d& p = sample.state.position;
+    as_is += (p - sample.reference.position).squaredNorm();
+    turned += (Eigen::Vector3d(p.y(), p.x(), -p.z()) - sample.reference.position).squaredNorm();
+    count += 1.0;
+  }
+  if (count == 0.0 || std::sqrt(as_is / count) < kFrameError) return;
+  if (std::sqrt(turned) > kFrameShare * std::sqrt(as_is)) return;
+  warnings->push_back(
+      "The odometry follows its reference with x and y exchanged and z turned: one of them is "
+      "north-east-down, "
+      "where east-north-up is meant. Nothing else here can be relied on.");
+}
+
+// As the node judges the odometry, and in its words.
+void warnOfTwist(const std::vector<ReplaySample>& samples, std::vector<std::string>* warnings) {
+  const auto contradicting = std::count_if(samples.begin(), samples.end(), [](const ReplaySample& sample) {
+    return sample.report.reason == ControlReason::kContradiction;
+  });
+  if (static_cast<double>(contradicting) <= kContradicting * static_cast<double>(samples.size())) return;
+  warnings->push_back("In " + std::to_string(contradicting) + " of " + std::to_string(samples.size()) +
+                      " samples " + kContradictionSentence + ".");
+}
+
 }  // namespace
 
-std::vector<std::string> recordWarnings(const FlightLog& log, const ValidationReport& report) {
+std::vector<std::string> warningsOf(const ReplayedFlight& flight, const AxisMaps& maps,
+                                    const ValidationReport& report) {
+  std::vector<ReplaySample> comparable;
+  for (const ReplaySample& sample : flight.samples) {
+    if (!sample.ignorance) comparable.push_back(sample);
+  }
   std::vector<std::string> warnings;
-  warnOfLoss(log, &warnings);
-  warnOfMissingTimes(log, &warnings);
-  warnOfStamps(log, &warnings);
+  warnOfLoss(flight.log, &warnings);
+  warnOfMissingTimes(flight.log, &warnings);
+  warnOfStamps(flight.log, &warnings);
   warnOfUnmatched(report.commands, &warnings);
-  warnOfStretches(log, report, &warnings);
-  warnOfSilence(log, &warnings);
+  warnOfOtherCommands(report.commands, &warnings);
+  warnOfStretches(flight.log, report, &warnings);
+  warnOfSilence(flight.log, &warnings);
+  warnOfClock(flight.log, &warnings);
+  warnOfFrames(comparable, &warnings);
+  warnOfTwist(comparable, &warnings);
+  if (!report.parameters) return warnings;
+  for (const std::string& told : parameterWarnings(*report.parameters, maps, flight.options))
+    warnings.push_back(told);
   return warnings;
 }
 
