@@ -37,8 +37,6 @@ Json json(const Percentiles& times) {
       {"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"p99_9", times.p999}, {"max", times.max}};
 }
 
-Json json(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
 Json json(const DistanceUse& use, std::size_t samples) {
   const double count = samples > 0 ? static_cast<double>(samples) : 1.0;
   return {{"least", use.least}, {"mean", use.sum / count}, {"at_s", use.stamp}};
@@ -131,9 +129,7 @@ Json json(const StatusValidation& statuses) {
 Json json(const HoldOffset& hold) {
   return {{"from_s", hold.from},
           {"to_s", hold.to},
-          {"offset_m", json(hold.offset)},
-          {"disturbance_estimate_m_s2", json(hold.estimate)},
-          {"disturbance_m_s2", hold.disturbance ? json(*hold.disturbance) : Json()}};
+          {"offset_m", {hold.offset.x(), hold.offset.y(), hold.offset.z()}}};
 }
 
 Json json(const RecordingShare::Amount& amount) {

@@ -177,10 +177,7 @@ ReportSection recordSection(const Json& json) {
           wordsOn(status["max_input_difference"]) + ".",
       "Answers of the replay: " + told(status["replayed"]) + ". Recorded: " + told(status["recorded"]) + "."};
   if (!json["hold"].is_null())
-    section.sentences.push_back("At rest at the end: offset " + wordsOn(json["hold"]["offset_m"]) +
-                                " m, disturbance estimate " +
-                                wordsOn(json["hold"]["disturbance_estimate_m_s2"]) + " m/s², true one " +
-                                wordsOn(json["hold"]["disturbance_m_s2"]) + ".");
+    section.sentences.push_back("At rest at the end: offset " + wordsOn(json["hold"]["offset_m"]) + " m.");
   Json rows = Json::array();
   for (const auto& [name, difference] : commands["difference"].items()) {
     rows.push_back(difference);

@@ -278,17 +278,6 @@ TEST_F(Validation, saysWhenTheReferenceNeverRests) {
   EXPECT_FALSE(validated(log).hold.has_value());
 }
 
-TEST_F(Validation, averagesTheTrueDisturbanceOverTheHold) {
-  FlightLog log = syntheticFlight(maps_.axes());
-  for (std::size_t sample = 0; sample < SyntheticFlight::kSamples; ++sample) {
-    const double early = sample < SyntheticFlight::kSamples / 2 ? 100.0 : 0.0;
-    log.disturbances.push_back({SyntheticFlight::state(sample).stamp, {0.5 + early, -0.25, 0.0}});
-  }
-  const ValidationReport report = validated(log);
-  ASSERT_TRUE(report.hold && report.hold->disturbance);
-  EXPECT_LT((*report.hold->disturbance - Eigen::Vector3d(0.5, -0.25, 0.0)).norm(), kRounding);
-}
-
 TEST_F(Validation, judgesAnEmptyLogAsBroken) {
   const ValidationReport report = validated(FlightLog{});
   EXPECT_EQ(report.coverage, 0.0);

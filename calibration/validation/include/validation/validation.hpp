@@ -110,9 +110,7 @@ struct StatusValidation {
 struct HoldOffset {
   double from = 0.0;  ///< [s], stamps
   double to = 0.0;
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();    ///< mean of position - reference [m]
-  Eigen::Vector3d estimate = Eigen::Vector3d::Zero();  ///< mean of the disturbance estimate [m/s^2]
-  std::optional<Eigen::Vector3d> disturbance;          ///< mean of the true one, where recorded [m/s^2]
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< mean of position - reference [m]
 };
 
 /// What a report says in one word.
