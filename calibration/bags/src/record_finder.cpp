@@ -25,8 +25,8 @@ bool isTopLevel(const BagFields& fields) {
 }
 
 bool mayBegin(const std::uint8_t* data) {
-  const auto header = littleEndian<std::uint32_t>(data);
-  const auto field = littleEndian<std::uint32_t>(data + kLength);
+  const auto header = readNumber<std::uint32_t>(data);
+  const auto field = readNumber<std::uint32_t>(data + kLength);
   return header <= kLongestHeader && field < header && data[kBegin - 1] >= 'a' && data[kBegin - 1] <= 'z';
 }
 
@@ -39,7 +39,7 @@ bool RecordFinder::within(std::uint64_t from, std::uint64_t count) const {
 std::optional<std::uint32_t> RecordFinder::lengthAt(std::uint64_t at) {
   std::array<std::uint8_t, kLength> bytes{};
   if (!within(at, kLength) || !source_.read(at, kLength, bytes.data())) return std::nullopt;
-  return littleEndian<std::uint32_t>(bytes.data());
+  return readNumber<std::uint32_t>(bytes.data());
 }
 
 std::optional<FileRecord> RecordFinder::at(std::uint64_t place) {
