@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <set>
 
@@ -29,6 +28,16 @@ constexpr double kFrameError = 0.5;
 constexpr double kFrameShare = 0.5;
 // Greatest share of samples that may contradict themselves without a warning.
 constexpr double kContradicting = 0.05;
+// How a sentence on commands that are not compared goes on, in the order of Ignorance.
+constexpr const char* kReasons[] = {
+    ", until they agree again. The recording begins in flight: what the controller knew before is not in it.",
+    ", until they agree again. A part of the recording is missing there.",
+    ", until they agree again. The controller's status tells of another position or velocity error there: "
+    "the recording is "
+    "altered, or holds a reference a sample too late or too early.",
+    ". Another version flew: its parameters are looked up again, and what its estimators made of the "
+    "odometry is not "
+    "compared."};
 
 void warnOfLoss(const FlightLog& log, std::vector<std::string>* warnings) {
   if (!log.share) return;
@@ -91,40 +100,20 @@ void warnOfMissingTimes(const FlightLog& log, std::vector<std::string>* warnings
                       " after the first odometry: parts of the recording are lost, or nothing ran.");
 }
 
-const char* reasonOf(Ignorance cause) {
-  switch (cause) {
-    case Ignorance::kBegun:
-      return "The recording begins in flight: what the controller knew before is not in it.";
-    case Ignorance::kMissing:
-      return "A part of the recording is missing there.";
-    case Ignorance::kVersion:
-      return "Another version flew: its parameters are looked up again, and what its estimators made of the "
-             "odometry is not compared.";
-    case Ignorance::kAltered:
-      return "The controller's status tells of another position or velocity error there: the recording is "
-             "altered, or "
-             "holds a reference a sample too late or too early.";
-  }
-  return "";
-}
-
 void warnOfStretches(const FlightLog& log, const ValidationReport& report,
                      std::vector<std::string>* warnings) {
-  for (const Ignorance cause :
-       {Ignorance::kBegun, Ignorance::kMissing, Ignorance::kAltered, Ignorance::kVersion}) {
+  for (std::size_t cause = 0; cause < std::size(kReasons); ++cause) {
     std::vector<TimeSpan> spans;
     std::size_t samples = 0;
     for (const IncomparableStretch& stretch : report.incomparable) {
-      if (stretch.cause != cause) continue;
+      if (static_cast<std::size_t>(stretch.cause) != cause) continue;
       const double start = log.odometry.front().stamp;
       spans.push_back({stretch.from - start, stretch.to - start});
       samples += stretch.samples;
     }
-    if (spans.empty()) continue;
-    warnings->push_back(std::to_string(samples) + " commands are not compared, from " + describe(spans) +
-                        " after the first odometry" +
-                        (cause == Ignorance::kVersion ? ". " : ", until they agree again. ") +
-                        reasonOf(cause));
+    if (!spans.empty())
+      warnings->push_back(std::to_string(samples) + " commands are not compared, from " + describe(spans) +
+                          " after the first odometry" + kReasons[cause]);
   }
 }
 
@@ -145,13 +134,10 @@ void warnOfSilence(const FlightLog& log, std::vector<std::string>* warnings) {
     if (silent++ == 0) first = state.stamp - log.odometry.front().stamp;
   }
   if (static_cast<double>(silent) <= kMissing * static_cast<double>(judged)) return;
-  std::array<char, 240> text{};
-  std::snprintf(
-      text.data(), text.size(),
-      "%.3g %% of the odometry behind the first command came more than %g s after the last command, first at "
-      "%.4g s: the controller stopped, or its commands are lost. These parts are not judged.",
-      100.0 * static_cast<double>(silent) / static_cast<double>(judged), kLongestPause, first);
-  warnings->push_back(text.data());
+  warnings->push_back(number(100.0 * static_cast<double>(silent) / static_cast<double>(judged)) +
+                      " % of the odometry behind the first command came more than " + number(kLongestPause) +
+                      " s after the last command, first at " + number(first, 4) +
+                      " s: the controller stopped, or its commands are lost. These parts are not judged.");
 }
 
 void warnOfClock(const FlightLog& log, std::vector<std::string>* warnings) {

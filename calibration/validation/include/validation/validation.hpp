@@ -188,9 +188,6 @@ struct Thresholds {
 constexpr double kLawTolerance = 1e-9;
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
 
-/// The verdict as a sentence.
-const char* sentenceOn(Verdict verdict);
-
 /// The flat numbers of `summary.json` first, then the details. README.md lists the keys.
 Json jsonOf(const ValidationReport& report);
 

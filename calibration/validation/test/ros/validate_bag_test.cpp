@@ -230,19 +230,6 @@ TEST_F(ValidateBag, isDoubtfulWhereAPartIsMissing) {
   }
 }
 
-TEST_F(ValidateBag, tellsWhichClockJumped) {
-  polyfly::FlightLog log = log_;
-  const double middle = log.odometry[log.odometry.size() / 2].stamp;
-  FlightBagOptions options;
-  options.command_jump = {middle, 120.0};
-  writeFlightBag(log, folder_ / "flight.bag", options);
-  EXPECT_EQ(runWith({"--strict"}), kThresholdBroken) << output_;
-  EXPECT_NE(output_.find("command/roll_pitch_yawrate_thrust: the clock of the headers jumps by 120 s"),
-            std::string::npos)
-      << output_;
-  EXPECT_NE(output_.find("answer no recorded odometry"), std::string::npos) << output_;
-}
-
 TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
   std::ofstream(folder_ / "heavy.yaml") << "vehicle: {mass: 2.0}\n";
   EXPECT_EQ(runWith({"--options", folder_ / "heavy.yaml"}), kThresholdBroken);
@@ -360,20 +347,6 @@ TEST_F(ValidateBag, writesOverNothingThatItReads) {
   EXPECT_FALSE(fs::exists(folder_ / "new"));
 }
 
-TEST_F(ValidateBag, saysBeforeTheWorkWhatItCannotWrite) {
-  std::filesystem::create_symlink("/dev/full", folder_ / "device");
-  for (const std::vector<std::string>& more :
-       std::vector<std::vector<std::string>>{{"--json", folder_ / "missing/numbers.json"},
-                                             {"--topics-bag", folder_ / "missing/topics.bag"},
-                                             {"--topics-bag", folder_ / "device"},
-                                             {"--topics-bag", folder_.path()},
-                                             {"--report", folder_ / "flight.bag"}}) {
-    EXPECT_EQ(runWith(more), kBadInput) << more[1];
-    EXPECT_EQ(std::count(errors_.begin(), errors_.end(), '\n'), 1) << errors_;
-    EXPECT_EQ(output_, "") << "told after the work";
-  }
-}
-
 // A limit on the size of files stands for a full disk.
 TEST_F(ValidateBag, keepsTheOldBagWhereTheDiskIsFull) {
   const std::string topics = folder_ / "topics.bag";
@@ -398,17 +371,6 @@ TEST_F(ValidateBag, keepsTheOldBagWhereTheDiskIsFull) {
   }
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
     EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos) << entry.path();
-}
-
-TEST_F(ValidateBag, writesTheBagThatALinkLeadsTo) {
-  std::filesystem::create_symlink("topics.bag", folder_ / "link.bag");
-  EXPECT_EQ(runWith({"--quiet", "--topics-bag", folder_ / "link.bag", "--report", folder_ / "new", "--json",
-                     folder_ / "new/numbers.json"}),
-            kPassed)
-      << errors_;
-  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.bag"));
-  rosbag::Bag bag(folder_ / "topics.bag");
-  EXPECT_GT(rosbag::View(bag).size(), 0u);
 }
 
 TEST_F(ValidateBag, helpTellsExitCodesAndDefaults) {
