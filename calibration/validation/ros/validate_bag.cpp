@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <iostream>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -227,10 +226,6 @@ int run(Arguments& arguments) {
   checkResults(arguments);
   std::optional<polyfly::MultirotorOptions> options;
   if (!arguments.options.empty()) options = polyfly::loadControllerOptions(arguments.options);
-  std::unique_ptr<polyfly_ros::ValidationTopics> topics;
-  if (!arguments.topics_bag.empty()) {
-    topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
-  }
   std::vector<Flight> flights;
   std::vector<polyfly::ValidationReport> reports;
   for (const std::vector<std::string>& bag : arguments.flights) {
@@ -239,10 +234,13 @@ int run(Arguments& arguments) {
     reports.push_back(polyfly::validate({flight.view()}, axes));
     reports.back().broken = polyfly::brokenThresholds(reports.back(), arguments.thresholds);
     print(reports.back(), arguments);
-    if (topics) topics->write(flight.samples, reports.back());
     writeResults(flight, reports.back(), reports.size(), axes, arguments);
   }
-  if (topics) topics->close();
+  if (!arguments.topics_bag.empty()) {
+    std::vector<polyfly_ros::ValidatedFlight> validated;
+    for (std::size_t i = 0; i < flights.size(); ++i) validated.push_back({flights[i].samples, reports[i]});
+    polyfly_ros::writeValidationTopics(validated, arguments.topics_bag);
+  }
   polyfly::Json json = polyfly::jsonOf(reports.front());
   if (flights.size() > 1) {
     const polyfly::ValidationReport all = together(flights, reports, axes);

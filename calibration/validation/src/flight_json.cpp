@@ -21,12 +21,10 @@ Json orNull(const std::optional<Value>& value) {
   return value ? Json(*value) : Json();
 }
 
-template <class Part, class Convert>
-Json listOf(const std::vector<Part>& parts, Convert convert) {
-  Json list = Json::array();
-  for (const Part& part : parts) list.push_back(convert(part));
-  return list;
-}
+template <class Part>
+Json listOf(const std::vector<Part>& parts);
+
+Json json(const TimeSpan& span) { return {span.from, span.to}; }
 
 Json json(const Difference& difference) {
   return {{"max", difference.max}, {"rms", difference.rms}, {"at_s", difference.stamp}};
@@ -84,13 +82,13 @@ Json json(const AxisValidation& axis) {
   out["outside_box"] = axis.outside_box;
   out["outside_partition"] = axis.outside_partition;
   out["not_finite"] = axis.not_finite;
-  out["parameters"] = listOf(axis.parameters, [](const auto& use) { return json(use); });
+  out["parameters"] = listOf(axis.parameters);
   out["face_distance"] = json(axis.face, axis.inside);
   out["edge_distance"] = json(axis.edge, axis.inside);
   out["edge_distance"]["parameter"] =
       axis.edge_parameter < 0 ? Json()
                               : Json(axis.parameters[static_cast<std::size_t>(axis.edge_parameter)].name);
-  out["excursions"] = listOf(axis.excursions, [](const auto& excursion) { return json(excursion); });
+  out["excursions"] = listOf(axis.excursions);
   out["qp_compared"] = axis.qp_compared;
   out["qp_failures"] = axis.qp_failures;
   out["qp_difference"] = json(axis.qp);
@@ -141,9 +139,11 @@ Json json(const RecordingShare& share, bool is_whole) {
           {"bytes", json(share.bytes)},
           {"seconds", json(share.seconds)},
           {"whole", is_whole},
-          {"lost", listOf(share.lost, [](const TimeSpan& span) {
-             return Json{span.from, span.to};
-           })}};
+          {"lost", listOf(share.lost)}};
+}
+
+Json json(const ParametersTold::Change& change) {
+  return {{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}};
 }
 
 Json json(const ParametersTold& parameters, const std::array<AxisValidation, 3>& names) {
@@ -159,10 +159,7 @@ Json json(const ParametersTold& parameters, const std::array<AxisValidation, 3>&
                            {"problem", axis.problem},
                            {"calibration", axis.calibration}});
   }
-  out["changes"] = Json::array();
-  for (const ParametersTold::Change& change : parameters.changes)
-    out["changes"].push_back(
-        {{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}});
+  out["changes"] = listOf(parameters.changes);
   return out;
 }
 
@@ -171,6 +168,13 @@ Json json(const IncomparableStretch& stretch) {
           {"from_s", stretch.from},
           {"to_s", stretch.to},
           {"samples", stretch.samples}};
+}
+
+template <class Part>
+Json listOf(const std::vector<Part>& parts) {
+  Json list = Json::array();
+  for (const Part& part : parts) list.push_back(json(part));
+  return list;
 }
 
 }  // namespace
@@ -199,7 +203,7 @@ Json jsonOf(const ValidationReport& report) {
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
   out["recording"] = report.share ? json(*report.share, report.isWhole()) : Json();
-  out["incomparable"] = listOf(report.incomparable, [](const auto& stretch) { return json(stretch); });
+  out["incomparable"] = listOf(report.incomparable);
   out["parameters"] = report.parameters ? json(*report.parameters, report.axes) : Json();
   out["broken"] = report.broken;
   out["warnings"] = report.warnings;
