@@ -448,29 +448,6 @@ class Tidy(TreeCase):
         self.assertEqual(self.look(), (0, ["without.cpp"]))
 
 
-class Pictures(TreeCase):
-    def take(self, headings):
-        line = "M0.004,0.004 L1.004,0.004 L9.004,0.004 L9.504,0.004 "
-        with open(self.path("index.html"), "w") as file:
-            for heading in headings:
-                file.write(f"<section><h2>{heading}</h2><p>caption</p>\n<svg><g a='b'>\n<g></g></g>"
-                           f"<path d='{line}'/><path d='m1,1 L2,2'/></svg></section>\n")
-        return subprocess.run(["/usr/bin/python3", self.path("catkin_ws", "scripts", "pictures.py"), self.path("index.html"),
-                               self.path("pictures")], capture_output=True, text=True)
-
-    def test_pictures_are_taken_without_what_nobody_sees(self):
-        result = self.take(["The flight from above", "Where the flight spent its time", "Look-up time"])
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(sorted(os.listdir(self.path("pictures"))), ["coverage.svg", "flight.svg", "latency.svg"])
-        with open(self.path("pictures", "flight.svg")) as file:
-            self.assertEqual(file.read(), "<svg>\n<path d='M0.0,0.0 L9.0,0.0 L9.5,0.0'/>\n<path d='m1,1 L2,2'/>\n</svg>\n")
-
-    def test_a_report_without_a_picture_is_refused(self):
-        result = self.take(["The flight from above"])
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("there is no picture 'Where the flight spent its time'", result.stderr)
-
-
 class Pages(unittest.TestCase):
     ENDINGS = ("md", "cpp", "hpp", "py", "sh", "launch", "cmake", "msg", "srv", "cfg", "test", "rviz", "svg")
 

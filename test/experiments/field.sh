@@ -49,6 +49,26 @@ flyHidden() {
   validateFlight "$output/$name" "$maps" --min-coverage 0 --topics-bag "$output/$name/topics.bag" "$@"
 }
 
+# widen PROBLEMS SUMMARY FOLDER: the problems, with the ranges that a validation proposes, into the folder.
+widen() {
+  python3 - "$@" << 'PY'
+import json, os, sys
+import yaml
+problems, summary, folder = sys.argv[1:]
+with open(summary) as file:
+    axes = json.load(file)["axes"]
+proposed = {use["name"]: use["proposed_range"] for axis in axes for use in axis["parameters"]}
+for name in os.listdir(problems):
+    with open(os.path.join(problems, name)) as file:
+        problem = yaml.safe_load(file)
+    for parameter in problem["parameters"]:
+        if "range" in parameter and parameter["name"] in proposed:
+            parameter["range"] = proposed[parameter["name"]]
+    with open(os.path.join(folder, name), "w") as file:
+        yaml.safe_dump(problem, file)
+PY
+}
+
 # damage BAG COPY: a copy in which 4 kB are overwritten at three places, as by bad sectors.
 damage() {
   python3 - "$1" "$2" << 'PY'
@@ -81,10 +101,10 @@ for axis in longitudinal lateral; do
 done
 cp region_maps/problems/multirotor_vertical.yaml "$output/problems/"
 solveAxes "$output/problems" "$output/maps" || return
-flyHidden calibrated "$output/maps" --propose "$output/wider" || return
+flyHidden calibrated "$output/maps" || return
 # Weaker loops take greater inputs: what left the maps is covered by the ranges that the validation proposes.
 mkdir -p "$output/wider" "$output/wider_maps"
-cp -n "$output/problems"/*.yaml "$output/wider/"
+widen "$output/problems" "$output/calibrated/summary.json" "$output/wider" || return
 solveAxes "$output/wider" "$output/wider_maps" || return
 flyHidden covered "$output/wider_maps" || return
 

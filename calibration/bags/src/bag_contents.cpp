@@ -80,8 +80,8 @@ class Lister {
     ChunkInfo info;
     info.span = {timeOf(*from), timeOf(*to)};
     for (std::size_t at = 0; at < data.size(); at += kEntry) {
-      info.messages[littleEndian<std::uint32_t>(data.data() + at)] +=
-          littleEndian<std::uint32_t>(data.data() + at + kEntry / 2);
+      info.messages[readNumber<std::uint32_t>(data.data() + at)] +=
+          readNumber<std::uint32_t>(data.data() + at + kEntry / 2);
     }
     contents_.infos.push_back(std::move(info));
   }

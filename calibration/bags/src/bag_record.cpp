@@ -9,7 +9,7 @@ std::optional<BagFields> BagFields::parse(const std::uint8_t* data, std::size_t 
   std::size_t at = 0;
   while (at < size) {
     if (size - at < sizeof(std::uint32_t)) return std::nullopt;
-    const std::size_t length = littleEndian<std::uint32_t>(data + at);
+    const std::size_t length = readNumber<std::uint32_t>(data + at);
     at += sizeof(std::uint32_t);
     if (length > size - at) return std::nullopt;
     const auto* begin = reinterpret_cast<const char*>(data + at);

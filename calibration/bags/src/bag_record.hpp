@@ -2,10 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
+
+#include "bags/packed_number.hpp"
 
 namespace polyfly {
 
@@ -19,14 +20,6 @@ enum class BagOp : std::uint8_t {
   kConnection = 7,
 };
 
-/// Little-endian number of the file; `data` must hold it.
-template <class Number>
-Number littleEndian(const std::uint8_t* data) {
-  Number value = 0;
-  for (std::size_t i = 0; i < sizeof(Number); ++i) value |= static_cast<Number>(Number{data[i]} << (8 * i));
-  return value;
-}
-
 /// Fields of a record's header: u32 length, then name=value, and again.
 class BagFields {
  public:
@@ -38,7 +31,7 @@ class BagFields {
   std::optional<Number> number(const std::string& name) const {
     const auto found = fields_.find(name);
     if (found == fields_.end() || found->second.size() != sizeof(Number)) return std::nullopt;
-    return littleEndian<Number>(reinterpret_cast<const std::uint8_t*>(found->second.data()));
+    return readNumber<Number>(reinterpret_cast<const std::uint8_t*>(found->second.data()));
   }
   /// Whether the record is of this kind.
   bool is(BagOp op) const { return number<std::uint8_t>("op") == static_cast<std::uint8_t>(op); }

@@ -2,45 +2,25 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <istream>
+#include <memory>
 #include <string>
-#include <vector>
 
 namespace polyfly {
 
-/// Bytes that can be read from any place: a file, or memory.
+/// Bytes that can be read from any place: a file, or a copy in memory.
 class ByteSource {
  public:
-  ByteSource() = default;
-  ByteSource(const ByteSource&) = delete;
-  ByteSource& operator=(const ByteSource&) = delete;
-  virtual ~ByteSource() = default;
-  virtual std::uint64_t size() const = 0;
+  /// Throws Error naming the file when it is not there or cannot be read.
+  explicit ByteSource(const std::string& path);
+  ByteSource(const std::uint8_t* data, std::size_t size);
+
+  std::uint64_t size() const { return size_; }
   /// Reads [from, from + count), which lies within the size. Returns whether it could.
-  virtual bool read(std::uint64_t from, std::size_t count, std::uint8_t* out) = 0;
-};
-
-class MemorySource : public ByteSource {
- public:
-  MemorySource(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-  std::uint64_t size() const override { return size_; }
-  bool read(std::uint64_t from, std::size_t count, std::uint8_t* out) override;
+  bool read(std::uint64_t from, std::size_t count, std::uint8_t* out);
 
  private:
-  // The caller owns these bytes.
-  const std::uint8_t* data_;
-  std::size_t size_;
-};
-
-/// Throws Error naming the file when it is not there or cannot be read.
-class FileSource : public ByteSource {
- public:
-  explicit FileSource(const std::string& path);
-  std::uint64_t size() const override { return size_; }
-  bool read(std::uint64_t from, std::size_t count, std::uint8_t* out) override;
-
- private:
-  std::ifstream file_;
+  std::unique_ptr<std::istream> bytes_;
   std::uint64_t size_ = 0;
 };
 

@@ -1,8 +1,7 @@
 #include "bags/message_layout.hpp"
 
-#include <array>
-#include <cmath>
-#include <cstring>
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <sstream>
 
@@ -17,39 +16,24 @@ constexpr int kDeepest = 32;  // types within types
 struct Builtin {
   const char* name;
   std::size_t size;
+  char type;  // see numberAt; a time is two of them
 };
 
-constexpr Builtin kBuiltins[] = {{"bool", 1},  {"int8", 1},   {"uint8", 1},   {"byte", 1},   {"char", 1},
-                                 {"int16", 2}, {"uint16", 2}, {"int32", 4},   {"uint32", 4}, {"float32", 4},
-                                 {"int64", 8}, {"uint64", 8}, {"float64", 8}, {"time", 8},   {"duration", 8}};
+constexpr Builtin kBuiltins[] = {
+    {"bool", 1, 'B'},  {"int8", 1, 'b'},   {"uint8", 1, 'B'},   {"byte", 1, 'b'},   {"char", 1, 'B'},
+    {"int16", 2, 'h'}, {"uint16", 2, 'H'}, {"int32", 4, 'i'},   {"uint32", 4, 'I'}, {"float32", 4, 'f'},
+    {"int64", 8, 'q'}, {"uint64", 8, 'Q'}, {"float64", 8, 'd'}, {"time", 8, 'I'},   {"duration", 8, 'i'}};
 
-std::optional<std::size_t> builtinSize(const std::string& type) {
-  for (const Builtin& builtin : kBuiltins) {
-    if (type == builtin.name) return builtin.size;
-  }
-  return std::nullopt;
+const Builtin* builtinOf(const std::string& type) {
+  const auto* found = std::find_if(std::begin(kBuiltins), std::end(kBuiltins),
+                                   [&type](const Builtin& builtin) { return type == builtin.name; });
+  return found == std::end(kBuiltins) ? nullptr : found;
 }
 
-template <class Number>
-double numberAt(const std::uint8_t* data) {
-  Number value;
-  std::memcpy(&value, data, sizeof value);
-  return static_cast<double>(value);
-}
-
-double builtinValue(const std::string& type, const std::uint8_t* data) {
-  if (type == "float64") return numberAt<double>(data);
-  if (type == "float32") return numberAt<float>(data);
-  if (type == "bool" || type == "uint8" || type == "char") return numberAt<std::uint8_t>(data);
-  if (type == "int8" || type == "byte") return numberAt<std::int8_t>(data);
-  if (type == "int16") return numberAt<std::int16_t>(data);
-  if (type == "uint16") return numberAt<std::uint16_t>(data);
-  if (type == "int32") return numberAt<std::int32_t>(data);
-  if (type == "uint32") return numberAt<std::uint32_t>(data);
-  if (type == "int64") return numberAt<std::int64_t>(data);
-  if (type == "uint64") return numberAt<std::uint64_t>(data);
-  if (type == "time") return numberAt<std::uint32_t>(data) + 1e-9 * numberAt<std::uint32_t>(data + 4);
-  return numberAt<std::int32_t>(data) + 1e-9 * numberAt<std::int32_t>(data + 4);  // duration
+double valueOf(const Builtin& builtin, const std::uint8_t* data) {
+  const double value = numberAt(data, builtin.type);
+  const bool is_time = builtin.size == 8 && (builtin.type == 'I' || builtin.type == 'i');
+  return is_time ? value + 1e-9 * numberAt(data + sizeof(std::uint32_t), builtin.type) : value;
 }
 
 std::string packageOf(const std::string& type) { return type.substr(0, type.find('/')); }
@@ -71,7 +55,7 @@ struct MessageLayout::Reader {
   }
   std::optional<std::uint32_t> length() {
     if (left < sizeof(std::uint32_t)) return std::nullopt;
-    const auto value = littleEndian<std::uint32_t>(data);
+    const auto value = readNumber<std::uint32_t>(data);
     skip(sizeof(std::uint32_t));
     return value;
   }
@@ -122,7 +106,7 @@ void MessageLayout::parse(const std::string& type, const std::string& definition
       if (!inside.empty()) field.length = static_cast<std::uint32_t>(std::stoul(inside));
       kind.resize(bracket);
     }
-    if (builtinSize(kind) || kind == "string") {
+    if (builtinOf(kind) != nullptr || kind == "string") {
       field.type = kind;
     } else if (kind == "Header") {
       field.type = "std_msgs/Header";
@@ -136,7 +120,7 @@ void MessageLayout::parse(const std::string& type, const std::string& definition
 // Every type must be there, and none may hold itself; notes those of fixed size.
 void MessageLayout::resolve(const std::string& type, int depth) {
   if (depth > kDeepest) throw Error(type_ + ": definition: types are nested too deep");
-  if (builtinSize(type) || type == "string" || sizes_.count(type) > 0) return;
+  if (builtinOf(type) != nullptr || type == "string" || sizes_.count(type) > 0) return;
   const auto found = types_.find(type);
   if (found == types_.end()) throw Error(type_ + ": definition: no definition of " + type);
   std::size_t sum = 0;
@@ -155,7 +139,7 @@ void MessageLayout::resolve(const std::string& type, int depth) {
 }
 
 std::optional<std::size_t> MessageLayout::fixedSize(const std::string& type) const {
-  if (const auto size = builtinSize(type)) return size;
+  if (const Builtin* builtin = builtinOf(type)) return builtin->size;
   const auto found = sizes_.find(type);
   if (found == sizes_.end()) return std::nullopt;
   return found->second;
@@ -183,10 +167,10 @@ bool MessageLayout::visitField(const Field& field, const std::string& prefix, Re
     if (field.type == "string") {
       const std::optional<std::uint32_t> length = reader->length();
       if (!length || !reader->skip(*length)) return false;
-    } else if (const auto size = builtinSize(field.type)) {
-      if (*size > reader->left) return false;
-      reader->note(path, builtinValue(field.type, reader->data));
-      reader->skip(*size);
+    } else if (const Builtin* builtin = builtinOf(field.type)) {
+      if (builtin->size > reader->left) return false;
+      reader->note(path, valueOf(*builtin, reader->data));
+      reader->skip(builtin->size);
     } else if (!visit(field.type, path + ".", reader)) {
       return false;
     }
@@ -220,7 +204,7 @@ bool MessageLayout::hasIn(const std::string& type, const std::string& path) cons
   const std::size_t dot = path.find('.');
   for (const Field& field : found->second) {
     if (field.array || field.name != path.substr(0, dot)) continue;
-    return dot == std::string::npos ? builtinSize(field.type).has_value()
+    return dot == std::string::npos ? builtinOf(field.type) != nullptr
                                     : hasIn(field.type, path.substr(dot + 1));
   }
   return false;

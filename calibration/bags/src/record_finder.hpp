@@ -38,21 +38,13 @@ class RecordFinder {
   std::uint64_t nextOutsideChunks(std::uint64_t from, std::uint64_t to);
 
  private:
-  using Kinds = bool (*)(std::uint8_t op);
-
-  // Bytes of the file from `begin` on.
-  struct Window {
-    std::uint64_t begin = 0;
-    std::vector<std::uint8_t> bytes;
-  };
-
-  std::uint64_t search(std::uint64_t from, std::uint64_t to, Kinds kinds);
-  std::optional<std::uint64_t> recordAround(const Window& window, std::size_t mark, std::uint64_t to);
+  std::uint64_t search(std::uint64_t from, std::uint64_t to, bool outside_chunks);
   bool within(std::uint64_t from, std::uint64_t count) const;
   std::optional<std::uint32_t> lengthAt(std::uint64_t at);
 
   ByteSource& source_;
   std::vector<std::uint8_t> header_;
+  std::vector<std::uint8_t> window_;
 };
 
 }  // namespace polyfly

@@ -12,18 +12,6 @@ namespace {
 // Longest time between two pieces of a recording [s].
 constexpr double kLongestSplit = 1.0;
 
-struct Named {
-  const RecordingShare::Amount& amount;
-  const char* name;
-  const char* format;
-};
-
-std::array<Named, 3> parts(const RecordingShare& share) {
-  return {{{share.messages, "messages", "%.0f"},
-           {share.bytes, "bytes", "%.0f"},
-           {share.seconds, "seconds", "%.1f"}}};
-}
-
 std::string text(const char* format, double value) {
   std::array<char, 64> out{};
   std::snprintf(out.data(), out.size(), format, value);
@@ -33,12 +21,11 @@ std::string text(const char* format, double value) {
 // Rounded down: what is not whole never reads as 100 %.
 std::string percent(double share) { return text("%.4g", std::floor(share * 1e3) / 10.0) + " %"; }
 
-std::string describe(const Named& part) {
-  const std::string read = text(part.format, part.amount.read);
-  const std::optional<double> share = part.amount.share();
-  if (!share) return read + " " + part.name + ", of an unknown number";
-  return percent(*share) + " of the " + part.name + " (" + read + " of " +
-         text(part.format, *part.amount.recorded) + ")";
+std::string describe(const RecordingShare::Amount& amount, const std::string& name, const char* format) {
+  const std::string read = text(format, amount.read);
+  const std::optional<double> share = amount.share();
+  if (!share) return read + " " + name + ", of an unknown number";
+  return percent(*share) + " of the " + name + " (" + read + " of " + text(format, *amount.recorded) + ")";
 }
 
 }  // namespace
@@ -110,8 +97,8 @@ RecordingShare recordingShare(const BagHealth& health, const std::set<std::strin
 }
 
 std::string describe(const RecordingShare& share) {
-  const auto [messages, bytes, seconds] = parts(share);
-  return describe(messages) + "; " + describe(bytes) + "; " + describe(seconds);
+  return describe(share.messages, "messages", "%.0f") + "; " + describe(share.bytes, "bytes", "%.0f") + "; " +
+         describe(share.seconds, "seconds", "%.1f");
 }
 
 std::string describe(const std::vector<TimeSpan>& spans) {

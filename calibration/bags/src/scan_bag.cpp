@@ -124,7 +124,7 @@ class Scan {
     std::size_t at = 0;
     const auto part = [this, &at](const std::uint8_t** data, std::size_t* size) {
       if (unpacked_.size() - at < kLength) return false;
-      *size = littleEndian<std::uint32_t>(unpacked_.data() + at);
+      *size = readNumber<std::uint32_t>(unpacked_.data() + at);
       at += kLength;
       if (*size > unpacked_.size() - at) return false;
       *data = unpacked_.data() + at;
@@ -265,18 +265,18 @@ class Scan {
 }  // namespace
 
 BagHealth scanBag(const std::string& path, const BagVisitor& visitor) {
-  FileSource source(path);
+  ByteSource source(path);
   return Scan(&source, path, visitor).run();
 }
 
 BagHealth scanBagBytes(const std::uint8_t* data, std::size_t size, const std::string& name,
                        const BagVisitor& visitor) {
-  MemorySource source(data, size);
+  ByteSource source(data, size);
   return Scan(&source, name, visitor).run();
 }
 
 TimeSpan timesOf(const std::string& path) {
-  FileSource source(path);
+  ByteSource source(path);
   const BagVisitor nothing{[](const BagConnection&) { return false; }, {}, {}};
   return Scan(&source, path, nothing).times();
 }

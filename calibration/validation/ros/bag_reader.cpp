@@ -27,22 +27,8 @@ using polyfly::FlightLog;
 // Whether a law was asked for a command, or would have been had the sample been good.
 bool hasReference(polyfly::ControlStatus status) {
   using polyfly::ControlStatus;
-  switch (status) {
-    case ControlStatus::kNoReference:
-    case ControlStatus::kStopped:
-    case ControlStatus::kManual:
-    case ControlStatus::kMotorsOff:
-      return false;
-    case ControlStatus::kOptimal:
-    case ControlStatus::kClipped:
-    case ControlStatus::kHoldLast:
-    case ControlStatus::kLevel:
-    case ControlStatus::kDescend:
-    case ControlStatus::kSuboptimal:
-    case ControlStatus::kLeastViolation:
-      return true;
-  }
-  return false;
+  return polyfly::isAnswer(status) || status == ControlStatus::kHoldLast || status == ControlStatus::kLevel ||
+         status == ControlStatus::kDescend;
 }
 
 // Collects the log while messages come in the order of the record, then settles what that order leaves open:
@@ -163,20 +149,14 @@ class LogBuilder {
     if (!log_.statuses.empty() && log_.statuses.front().sequence > 0 &&
         hasReference(log_.statuses.front().status))
       return;
-    // Whether a step had a reference, by the stamp of its odometry.
-    std::map<double, bool> tracked;
-    for (const FlightLog::Status& status : log_.statuses) {
-      if (status.reason != polyfly::ControlReason::kStale) {
-        tracked[status.stamp] = hasReference(status.status);
-      }
-    }
+    const auto steps = log_.statusesByStamp();
     std::vector<Event>& events = log_.events;
     const auto first = std::find_if(events.begin(), events.end(),
                                     [](const Event& event) { return event.kind == Kind::kReference; });
     const auto place = std::find_if(events.begin(), events.end(), [&](const Event& event) {
       if (event.kind != Kind::kOdometry) return false;
-      const auto found = tracked.find(log_.odometry[event.index].stamp);
-      return found != tracked.end() && found->second;
+      const auto found = steps.find(log_.odometry[event.index].stamp);
+      return found != steps.end() && hasReference(found->second->status);
     });
     if (first == events.end() || place == events.end()) return;
     if (place < first) {
@@ -244,12 +224,12 @@ std::string latenessClause(const std::vector<FlightLog::TopicClock>& clocks) {
 
 class BagReader {
  public:
-  BagReader(const std::vector<std::string>& paths, const BagTopics& topics, const BagProgress& progress,
-            const BagQuestion& ask)
-      : path_(paths.front()), topics_(topics), ask_(ask), reader_(paths), builder_(path_) {
-    scan(progress);
-    // The second scan holds the messages of the topics that were named now.
-    if (askForTopics()) scan(progress);
+  BagReader(const std::vector<std::string>& paths, const BagTopics& topics, const BagProgress& progress)
+      : path_(paths.front()), topics_(topics), reader_(paths), builder_(path_) {
+    reader_.scan({topics_.odometry, topics_.trajectory, topics_.pose, topics_.command, topics_.status,
+                  topics_.disturbance, topics_.parameters},
+                 progress);
+    prefix_ = reader_.findPrefix(topics_.name_space, topics_.command);
   }
 
   FlightLog read() {
@@ -276,36 +256,6 @@ class BagReader {
   }
 
  private:
-  void scan(const BagProgress& progress) {
-    reader_.scan({topics_.odometry, topics_.trajectory, topics_.pose, topics_.command, topics_.status,
-                  topics_.disturbance, topics_.parameters},
-                 progress);
-    prefix_ = reader_.findPrefix(topics_.name_space, topics_.command);
-  }
-
-  // Whether a topic was named by somebody who was asked, in place of one that is not there.
-  template <class Message>
-  bool askFor(const char* what, std::string* topic) {
-    const std::vector<std::string> choices = reader_.topicsOf<Message>();
-    if (reader_.has(fullName(*topic)) || choices.empty() || !ask_) return false;
-    const auto answer =
-        ask_(path_ + ": no message on " + fullName(*topic) + ". Which topic is the " + what + "?", choices);
-    if (answer) *topic = choices[*answer];
-    return answer.has_value();
-  }
-
-  bool askForTopics() {
-    bool named = askFor<nav_msgs::Odometry>("odometry", &topics_.odometry);
-    named = askFor<mav_msgs::RollPitchYawrateThrust>("command", &topics_.command) || named;
-    if (!reader_.has(fullName(topics_.pose))) {
-      named = askFor<trajectory_msgs::MultiDOFJointTrajectory>("reference", &topics_.trajectory) || named;
-    }
-    if (!reader_.has(fullName(topics_.trajectory))) {
-      named = askFor<geometry_msgs::PoseStamped>("reference", &topics_.pose) || named;
-    }
-    return named;
-  }
-
   std::string fullName(const std::string& topic) const {
     return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
   }
@@ -351,7 +301,6 @@ class BagReader {
 
   std::string path_;
   BagTopics topics_;
-  BagQuestion ask_;
   TopicReader reader_;
   LogBuilder builder_;
   // Prefix of the topics in the vehicle's namespace, with slashes on both sides.
@@ -361,8 +310,8 @@ class BagReader {
 }  // namespace
 
 polyfly::FlightLog readBag(const std::vector<std::string>& pieces, const BagTopics& topics,
-                           const BagProgress& progress, const BagQuestion& ask) {
-  return BagReader(pieces, topics, progress, ask).read();
+                           const BagProgress& progress) {
+  return BagReader(pieces, topics, progress).read();
 }
 
 std::vector<std::vector<std::string>> recordingsOf(const std::vector<std::string>& bags) {

@@ -2,16 +2,14 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
+#include <exception>
 #include <limits>
 #include <vector>
 
 #include "online_controller/laws/axis.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/outputs.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"
-#include "report/report.hpp"
 #include "validation/replay.hpp"
 
 namespace polyfly_ros {
@@ -66,7 +64,7 @@ DiagnosticStatus statusOf(const polyfly::MapUse& use, const polyfly::RegionMap& 
 
 }  // namespace
 
-CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
     : queue_(handle) {
   ParameterReader reader(private_handle);
   for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
@@ -81,20 +79,16 @@ CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle&
   }
   double period = 1.0;
   reader("period", period, "s", polyfly::Range{0.01, 3600.0});
-  summary_ = reader.text("summary", "the path of a file", "");
-  polyfly::checkOutputs({{summary_}}, {maps_[0]->path(), maps_[1]->path(), maps_[2]->path()});
+  reader.refuseRemoved({{"summary", "validate_bag writes the coverage of a recorded flight as JSON"}});
   reader.refuseUnknown({"maps"});
   ros::NodeHandle nh = onQueue(handle, queue_);
   publisher_ = nh.advertise<diagnostic_msgs::DiagnosticArray>("coverage", 10);
   subscriber_ = nh.subscribe("controller_status", kQueue, &CoverageNode::onStatus, this,
                              ros::TransportHints().tcpNoDelay());
   timer_ = nh.createWallTimer(ros::WallDuration(period), [this](const ros::WallTimerEvent&) { publish(); });
-}
-
-CoverageNode::~CoverageNode() {
-  timer_.stop();
-  subscriber_.shutdown();
-  if (!summary_.empty()) writeSummary();
+} catch (const std::exception& error) {
+  ROS_FATAL("coverage does not start: %s", error.what());
+  throw;
 }
 
 void CoverageNode::onStatus(const online_controller::ControllerStatus::ConstPtr& message) {
@@ -129,24 +123,6 @@ void CoverageNode::publish() const {
         statusOf(counters_[axis]->use(), *maps_[axis], polyfly::kAxisNames[axis].axis, foreign_[axis]));
   }
   publisher_.publish(message);
-}
-
-void CoverageNode::writeSummary() const {
-  polyfly::Json out;
-  for (std::size_t axis = 0; axis < maps_.size(); ++axis) {
-    const DiagnosticStatus status =
-        statusOf(counters_[axis]->use(), *maps_[axis], polyfly::kAxisNames[axis].axis, foreign_[axis]);
-    polyfly::Json& one = out[polyfly::kAxisNames[axis].axis];
-    one["map"] = maps_[axis]->name();
-    one["message"] = status.message;
-    for (const diagnostic_msgs::KeyValue& pair : status.values) one[pair.key] = pair.value;
-    one["regions_never_visited"] = counters_[axis]->use().neverVisited();
-  }
-  try {
-    polyfly::writeFileAtomically(summary_, out.dump(2) + "\n");
-  } catch (const polyfly::Error& error) {
-    ROS_ERROR_STREAM("coverage: " << error.what());
-  }
 }
 
 }  // namespace polyfly_ros

@@ -1,4 +1,3 @@
-#include <exception>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "polyfly_ros/node_shell.hpp"
@@ -6,17 +5,7 @@
 
 namespace polyfly_ros {
 
-/// Shell of CoverageNode.
-class CoverageNodelet : public NodeShell<CoverageNode> {
-  void onInit() override {
-    try {
-      NodeShell::onInit();
-    } catch (const std::exception& error) {
-      NODELET_FATAL("coverage does not start: %s", error.what());
-      throw;
-    }
-  }
-};
+class CoverageNodelet : public NodeShell<CoverageNode> {};
 
 }  // namespace polyfly_ros
 

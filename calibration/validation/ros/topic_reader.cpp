@@ -38,9 +38,6 @@ std::string TopicReader::findPrefix(const std::string& name_space, const std::st
 }
 
 void TopicReader::scan(const std::vector<std::string>& names, const BagProgress& progress) {
-  held_.clear();
-  healths_.clear();
-  repeated_.clear();
   polyfly::BagVisitor visitor;
   visitor.progress = progress;
   visitor.wants = [&](const polyfly::BagConnection& connection) {

@@ -2,13 +2,11 @@
 
 #include <cstdint>
 #include <iostream>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "command_line/command_line.hpp"
-#include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
@@ -17,8 +15,6 @@
 #include "polyfly_base/write_file.hpp"
 #include "region_maps/region_map.hpp"
 #include "validation/controller_options.hpp"
-#include "validation/map_comparison.hpp"
-#include "validation/map_proposal.hpp"
 #include "validation/report.hpp"
 #include "validation/validation.hpp"
 #include "validation_ros/bag_reader.hpp"
@@ -41,7 +37,6 @@ struct Arguments {
   polyfly::Thresholds thresholds;
   std::string json;
   std::string report;
-  std::string propose;
   std::string topics_bag;
   bool quiet = false;
   bool strict = false;
@@ -83,10 +78,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   polyfly::addOption(app, "--bag", arguments.bags, "FILE",
                      "Bags of recorded flights. Pieces of a recording that was split are one flight.")
       ->required();
-  polyfly::addOption(
-      app, "--map", arguments.maps, "FILE",
-      "Region maps of the three axes, in any order. The first map of an axis is the one that flew; further "
-      "ones are compared with it.")
+  polyfly::addOption(app, "--map", arguments.maps, "FILE",
+                     "Region maps of the three axes that flew, in any order.")
       ->required();
   polyfly::addOption(
       app, "--options", arguments.options, "FILE",
@@ -95,17 +88,15 @@ void declare(CLI::App& app, Arguments& arguments) {
   polyfly::addOption(app, "--json", arguments.json, "FILE", "Write the results to this file as JSON.");
   polyfly::addOption(app, "--report", arguments.report, "DIR",
                      "Write index.html, summary.json and the samples of each axis into this folder.");
-  polyfly::addOption(
-      app, "--propose", arguments.propose, "DIR",
-      "If the flights left a map, write problem files that would have covered them into this folder.");
   polyfly::addOption(app, "--topics-bag", arguments.topics_bag, "FILE",
-                     "Write a bag with the results as topics, for rviz and rqt.");
+                     "Write a bag with the results as topics, for rqt.");
   app.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
   app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds.");
   declareTopics(app, arguments.topics);
   declareThresholds(app, arguments.thresholds);
-  polyfly::addRemoved(app, {"--propose-limit"},
-                      "was removed; 'offline_mpt solve' counts the regions of a proposed problem");
+  polyfly::addRemoved(app, {"--propose", "--propose-limit"},
+                      "was removed; 'proposed_range' in the JSON and on the page is the range that would "
+                      "have held the flight");
   polyfly::addRemoved(
       app, {"--explore"},
       "was removed; 'offline_mpt explore MAP --samples samples_AXIS.csv -o PAGE' takes what --report writes");
@@ -114,17 +105,13 @@ void declare(CLI::App& app, Arguments& arguments) {
       "or option is invalid.");
 }
 
-std::string proposalFile(const std::string& folder, const polyfly::RegionMap& map) {
-  return folder + "/" + std::string(map.name()) + "." + std::string(map.problemKind());
-}
-
 // The folder of one flight below that of all.
 std::string flightFolder(const Arguments& arguments, const std::string& folder, std::size_t number) {
   return arguments.flights.size() == 1 ? folder : folder + "/flight_" + std::to_string(number);
 }
 
 // Before the work: whether all results can be written, and none over a file that is read.
-void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
+void checkResults(const Arguments& arguments) {
   using polyfly::Output;
   std::vector<std::string> inputs = arguments.bags;
   inputs.insert(inputs.end(), arguments.maps.begin(), arguments.maps.end());
@@ -139,33 +126,14 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
       const std::string folder = flightFolder(arguments, arguments.report, number);
       addPage(folder);
       outputs.push_back({folder + kParametersFile, Output::Kind::kText, Output::Folder::kIsMade});
-      for (std::size_t axis = 0; axis < maps.flown.size(); ++axis)
+      for (std::size_t axis = 0; axis < polyfly::AxisMaps().size(); ++axis)
         outputs.push_back(
             {folder + "/" + polyfly::samplesFile(axis), Output::Kind::kText, Output::Folder::kIsMade});
     }
     if (arguments.flights.size() > 1) addPage(arguments.report);
   }
-  if (!arguments.propose.empty()) {
-    for (const polyfly::RegionMap* map : maps.flown) {
-      outputs.push_back(
-          {proposalFile(arguments.propose, *map), Output::Kind::kText, Output::Folder::kIsMade});
-    }
-  }
   outputs.push_back({arguments.json});
   polyfly::checkOutputs(outputs, inputs);
-}
-
-// Fills the report's proposals, and writes their problems where that is asked for.
-void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly::ValidationReport* report) {
-  for (std::size_t axis = 0; axis < maps.flown.size(); ++axis) {
-    const polyfly::AxisValidation& use = report->axes[axis];
-    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis);
-    if (!proposal) continue;
-    report->proposals.push_back(*proposal);
-    if (arguments.propose.empty() || proposal->problem.empty()) continue;
-    polyfly::makeFolder(arguments.propose);
-    polyfly::writeFileAtomically(proposalFile(arguments.propose, *maps.flown[axis]), proposal->problem);
-  }
 }
 
 // The options that the bag tells, else the defaults.
@@ -189,32 +157,19 @@ struct Flight {
   polyfly::ReplayedFlight view() const { return {log, samples, options}; }
 };
 
-Flight readFlight(const std::vector<std::string>& bag, const polyfly::MapChoice& maps,
+Flight readFlight(const std::vector<std::string>& bag, const polyfly::AxisMaps& maps,
                   const std::optional<polyfly::MultirotorOptions>& given, const Arguments& arguments) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
   Flight flight;
-  flight.log = polyfly_ros::readBag(bag, arguments.topics, progress,
-                                    arguments.quiet ? polyfly::Ask() : polyfly::promptIfTerminal());
+  flight.log = polyfly_ros::readBag(bag, arguments.topics, progress);
   for (const std::string& remark : flight.log.remarks)
     std::cerr << polyfly::visible("note: " + flight.log.source + ": " + remark) << "\n";
   flight.options = given ? *given : optionsOf(flight.log);
   flight.samples =
-      polyfly::replay(flight.log, maps.flown, flight.options, previewPeriodOf(flight.log, arguments.options),
+      polyfly::replay(flight.log, maps, flight.options, previewPeriodOf(flight.log, arguments.options),
                       arguments.thresholds.max_command_difference);
   return flight;
-}
-
-// Of one flight, or of several together.
-polyfly::ValidationReport judge(const std::vector<polyfly::ReplayedFlight>& flights,
-                                const polyfly::MapChoice& maps, const Arguments& arguments) {
-  polyfly::ValidationReport report = polyfly::validate(flights, maps.flown);
-  for (const polyfly::OtherMap& other : maps.others) {
-    report.comparisons.push_back(
-        polyfly::compareMaps(flights, *maps.flown[other.axis], *other.map, other.axis));
-  }
-  if (flights.size() == arguments.flights.size()) propose(maps, arguments, &report);
-  return report;
 }
 
 void print(const polyfly::ValidationReport& report, const Arguments& arguments) {
@@ -224,20 +179,20 @@ void print(const polyfly::ValidationReport& report, const Arguments& arguments) 
 
 // Writes what belongs to this flight alone.
 void writeResults(const Flight& flight, const polyfly::ValidationReport& report, std::size_t number,
-                  const polyfly::MapChoice& maps, const Arguments& arguments) {
+                  const polyfly::AxisMaps& maps, const Arguments& arguments) {
   if (arguments.report.empty()) return;
   const std::string folder = flightFolder(arguments, arguments.report, number);
-  polyfly::writeReport({flight.log, flight.samples, maps.flown, flight.options, report}, folder);
+  polyfly::writeReport({flight.log, flight.samples, maps, flight.options, report}, folder);
   if (report.parameters) polyfly::writeFileAtomically(folder + kParametersFile, report.parameters->text);
 }
 
 // All flights as one, with what is said of each.
 polyfly::ValidationReport together(const std::vector<Flight>& flights,
                                    const std::vector<polyfly::ValidationReport>& reports,
-                                   const polyfly::MapChoice& maps, const Arguments& arguments) {
+                                   const polyfly::AxisMaps& maps) {
   std::vector<polyfly::ReplayedFlight> views;
   for (const Flight& flight : flights) views.push_back(flight.view());
-  polyfly::ValidationReport all = judge(views, maps, arguments);
+  polyfly::ValidationReport all = polyfly::validate(views, maps);
   for (const polyfly::ValidationReport& flight : reports) {
     const std::string name = polyfly::fileName(flight.source) + ": ";
     for (const std::string& sentence : flight.warnings) all.warnings.push_back(name + sentence);
@@ -267,29 +222,28 @@ int run(Arguments& arguments) {
   std::vector<const polyfly::RegionMap*> views;
   for (const std::string& path : arguments.maps) maps.push_back(polyfly::RegionMap::open(path));
   for (const polyfly::RegionMap& map : maps) views.push_back(&map);
-  const polyfly::MapChoice choice = polyfly::chooseMaps(views);
-  checkResults(arguments, choice);
+  const polyfly::AxisMaps axes = polyfly::assignAxes(views);
+  checkResults(arguments);
   std::optional<polyfly::MultirotorOptions> options;
   if (!arguments.options.empty()) options = polyfly::loadControllerOptions(arguments.options);
-  std::unique_ptr<polyfly_ros::ValidationTopics> topics;
-  if (!arguments.topics_bag.empty()) {
-    topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
-  }
   std::vector<Flight> flights;
   std::vector<polyfly::ValidationReport> reports;
   for (const std::vector<std::string>& bag : arguments.flights) {
-    flights.push_back(readFlight(bag, choice, options, arguments));
+    flights.push_back(readFlight(bag, axes, options, arguments));
     const Flight& flight = flights.back();
-    reports.push_back(judge({flight.view()}, choice, arguments));
+    reports.push_back(polyfly::validate({flight.view()}, axes));
     reports.back().broken = polyfly::brokenThresholds(reports.back(), arguments.thresholds);
     print(reports.back(), arguments);
-    if (topics) topics->write(flight.samples, reports.back());
-    writeResults(flight, reports.back(), reports.size(), choice, arguments);
+    writeResults(flight, reports.back(), reports.size(), axes, arguments);
   }
-  if (topics) topics->close();
+  if (!arguments.topics_bag.empty()) {
+    std::vector<polyfly_ros::ValidatedFlight> validated;
+    for (std::size_t i = 0; i < flights.size(); ++i) validated.push_back({flights[i].samples, reports[i]});
+    polyfly_ros::writeValidationTopics(validated, arguments.topics_bag);
+  }
   polyfly::Json json = polyfly::jsonOf(reports.front());
   if (flights.size() > 1) {
-    const polyfly::ValidationReport all = together(flights, reports, choice, arguments);
+    const polyfly::ValidationReport all = together(flights, reports, axes);
     print(all, arguments);
     if (!arguments.report.empty()) polyfly::writeOverview(reports, all, arguments.report);
     json = polyfly::jsonOf(all, reports);

@@ -94,16 +94,16 @@ int run(const Arguments& arguments) {
   for (const std::string& remark : log.remarks)
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const polyfly::FilterReplay replay = polyfly::replayFilter(log, arguments.timing, filter);
-  const polyfly::FilterValidation validation = polyfly::validateFilter(log, replay, filter);
-  if (!arguments.report.empty()) polyfly::writeFilterReport(validation, replay, arguments.report);
-  if (!arguments.json.empty())
-    polyfly::writeFileAtomically(arguments.json, polyfly::dumped(polyfly::jsonOf(validation)));
-  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(polyfly::reportOn(validation)));
+  const polyfly::Json judgement = polyfly::judgeFilter(log, replay, filter);
+  if (!arguments.report.empty()) polyfly::writeFilterReport(judgement, replay, filter, arguments.report);
+  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, polyfly::dumped(judgement));
+  const polyfly::Report report = polyfly::reportOnFilter(judgement);
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
   if (arguments.quiet) {
-    for (const std::string& finding : validation.findings)
+    for (const std::string& finding : report.reasons)
       std::cerr << polyfly::visible("warning: " + log.source + ": " + finding) << "\n";
   }
-  return arguments.strict && !validation.hasPassed() ? kDoubtful : kPassed;
+  return arguments.strict && !report.good ? kDoubtful : kPassed;
 }
 
 }  // namespace

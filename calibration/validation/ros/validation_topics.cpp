@@ -1,146 +1,69 @@
 #include "validation_ros/validation_topics.hpp"
 
 #include <console_bridge/console.h>
+#include <rosbag/bag.h>
 #include <std_msgs/Float64.h>
-#include <visualization_msgs/Marker.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/file_draft.hpp"
 #include "polyfly_ros/stamps.hpp"
 
 namespace polyfly_ros {
 namespace {
 
-// Line width of the path in rviz [m].
-constexpr double kLineWidth = 0.03;
-
-std_msgs::ColorRGBA colorOf(float r, float g, float b) {
-  std_msgs::ColorRGBA color;
-  color.r = r;
-  color.g = g;
-  color.b = b;
-  color.a = 1.0F;
-  return color;
-}
-
-const std_msgs::ColorRGBA kGreen = colorOf(0.0F, 0.62F, 0.45F);
-const std_msgs::ColorRGBA kRed = colorOf(0.84F, 0.0F, 0.0F);
-
-bool insideAll(const polyfly::ReplaySample& sample) {
-  return std::all_of(
-      sample.report.axis.begin(), sample.report.axis.end(),
-      [](const polyfly::AxisReport& axis) { return axis.lookup == polyfly::LookupStatus::kInside; });
-}
-
-// A bag has no time 0.
-ros::Time timeOf(double stamp) { return std::max(ros::TIME_MIN, stampOf(stamp)); }
-
-}  // namespace
-
-ValidationTopics::ValidationTopics(const std::string& path) : path_(path), draft_(path) {
-  try {
-    bag_->open(draft_.path(), rosbag::bagmode::Write);
-  } catch (const rosbag::BagException& failure) {
-    abandonBag();
-    fail(failure);
-  }
-}
-
-ValidationTopics::~ValidationTopics() {
-  try {
-    closeBag();
-  } catch (const rosbag::BagException&) {
-    // The draft is removed.
-  }
-}
-
-// The destructor of a bag tries again to close what could not be closed, and throws: such a bag is left
-// alone. At the end of the program, class_loader would warn that the bag's plug-in is still in use.
-void ValidationTopics::abandonBag() {
-  bag_.release();
-  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
-}
-
-void ValidationTopics::closeBag() {
-  if (!bag_) return;
-  try {
-    bag_->close();
-  } catch (const rosbag::BagException&) {
-    abandonBag();
-    throw;
-  }
-  bag_.reset();
-}
-
-void ValidationTopics::fail(const rosbag::BagException& failure) const {
-  throw polyfly::Error(path_ + ": cannot be written: " + failure.what());
-}
-
-void ValidationTopics::number(const std::string& topic, double stamp, double value) {
+void write(const std::string& topic, double stamp, double value, rosbag::Bag* bag) {
   std_msgs::Float64 message;
   message.data = value;
-  bag_->write("/validation/" + topic, timeOf(stamp), message);
+  // A bag has no time 0.
+  bag->write("/validation/" + topic, std::max(ros::TIME_MIN, stampOf(stamp)), message);
 }
 
-void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
-                             const polyfly::ValidationReport& report) try {
-  for (std::size_t axis = 0; axis < report.axes.size(); ++axis) writeAxis(samples, report.axes[axis], axis);
-  for (const polyfly::ReplaySample& sample : samples) {
-    if (!sample.has_reference) continue;
-    number("tracking_error", sample.state.stamp, (sample.state.position - sample.reference.position).norm());
-  }
-  writePath(samples);
-} catch (const rosbag::BagException& failure) {
-  fail(failure);
-}
-
-void ValidationTopics::writeAxis(const std::vector<polyfly::ReplaySample>& samples,
-                                 const polyfly::AxisValidation& axis, std::size_t index) {
-  for (const polyfly::ReplaySample& sample : samples) {
+void writeAxis(const ValidatedFlight& flight, std::size_t index, rosbag::Bag* bag) {
+  const polyfly::AxisValidation& axis = flight.report.axes[index];
+  for (const polyfly::ReplaySample& sample : flight.samples) {
     if (!sample.has_reference) continue;
     const polyfly::AxisReport& report = sample.report.axis[index];
     const bool inside = report.lookup == polyfly::LookupStatus::kInside;
-    number(axis.axis + "/inside", sample.state.stamp, inside ? 1.0 : 0.0);
-    number(axis.axis + "/region", sample.state.stamp, inside ? static_cast<double>(report.region) : -1.0);
+    write(axis.axis + "/inside", sample.state.stamp, inside ? 1.0 : 0.0, bag);
+    write(axis.axis + "/region", sample.state.stamp, inside ? static_cast<double>(report.region) : -1.0, bag);
   }
   for (const auto& [stamp, face, edge] : axis.edge_series) {
-    number(axis.axis + "/face_distance", stamp, face);
-    number(axis.axis + "/edge_distance", stamp, edge);
+    write(axis.axis + "/face_distance", stamp, face, bag);
+    write(axis.axis + "/edge_distance", stamp, edge, bag);
   }
   for (const auto& [stamp, difference] : axis.qp_series)
-    number(axis.axis + "/qp_difference", stamp, difference);
+    write(axis.axis + "/qp_difference", stamp, difference, bag);
 }
 
-void ValidationTopics::writePath(const std::vector<polyfly::ReplaySample>& samples) {
-  if (samples.empty()) return;
-  visualization_msgs::Marker path;
-  path.header.stamp = timeOf(samples.back().state.stamp);
-  path.header.frame_id = "world";
-  path.ns = "flown";
-  path.type = visualization_msgs::Marker::LINE_STRIP;
-  path.action = visualization_msgs::Marker::ADD;
-  path.pose.orientation.w = 1.0;
-  path.scale.x = kLineWidth;
-  for (const polyfly::ReplaySample& sample : samples) {
-    if (!sample.state.position.allFinite()) continue;
-    geometry_msgs::Point point;
-    point.x = sample.state.position.x();
-    point.y = sample.state.position.y();
-    point.z = sample.state.position.z();
-    path.points.push_back(point);
-    path.colors.push_back(insideAll(sample) ? kGreen : kRed);
+void writeFlight(const ValidatedFlight& flight, rosbag::Bag* bag) {
+  for (std::size_t axis = 0; axis < flight.report.axes.size(); ++axis) writeAxis(flight, axis, bag);
+  for (const polyfly::ReplaySample& sample : flight.samples) {
+    if (!sample.has_reference) continue;
+    const double error = (sample.state.position - sample.reference.position).norm();
+    write("tracking_error", sample.state.stamp, error, bag);
   }
-  bag_->write("/validation/markers", path.header.stamp, path);
 }
 
-void ValidationTopics::close() {
+}  // namespace
+
+void writeValidationTopics(const std::vector<ValidatedFlight>& flights, const std::string& path) {
+  polyfly::FileDraft draft(path);
+  auto bag = std::make_unique<rosbag::Bag>();
   try {
-    closeBag();
+    bag->open(draft.path(), rosbag::bagmode::Write);
+    for (const ValidatedFlight& flight : flights) writeFlight(flight, bag.get());
+    bag->close();
   } catch (const rosbag::BagException& failure) {
-    fail(failure);
+    // The destructor of a bag tries again to close what could not be closed, and throws: such a bag is left alone. At the
+    // end of the program, class_loader would warn that the bag's plug-in is still in use.
+    bag.release();
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
+    throw polyfly::Error(path + ": cannot be written: " + failure.what());
   }
-  draft_.commit();
+  draft.commit();
 }
 
 }  // namespace polyfly_ros

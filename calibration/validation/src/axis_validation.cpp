@@ -1,32 +1,15 @@
 #include <cmath>
 #include <map>
-#include <optional>
+#include <memory>
 
 #include "identification/loop_record.hpp"
-#include "online_axis.hpp"
 #include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/axis_law.hpp"
 #include "region_maps/region_map.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {
 namespace {
-
-// The status that the controller reported for a sample in flight; where none was recorded, the replay's.
-class StatusOf {
- public:
-  explicit StatusOf(const FlightLog& log) {
-    for (const FlightLog::Status& status : log.statuses) {
-      if (status.reason != ControlReason::kStale) recorded_[status.stamp] = status.status;
-    }
-  }
-  ControlStatus operator()(const ReplaySample& sample) const {
-    const auto found = recorded_.find(sample.state.stamp);
-    return found == recorded_.end() ? sample.report.status : found->second;
-  }
-
- private:
-  std::map<double, ControlStatus> recorded_;
-};
 
 // How far a parameter is out of its range; 0 in it.
 double beyondRange(const Signal& signal, double value) {
@@ -37,7 +20,7 @@ double beyondRange(const Signal& signal, double value) {
 class ExcursionCollector {
  public:
   ExcursionCollector(const FlightLog& log, const RegionMap& map, std::vector<Excursion>* found)
-      : status_(log), map_(map), found_(found) {}
+      : recorded_(log.statusesByStamp()), map_(map), found_(found) {}
 
   void add(const ReplaySample& sample, const AxisReport& report) {
     if (report.lookup == LookupStatus::kInside) {
@@ -48,7 +31,7 @@ class ExcursionCollector {
     Excursion& excursion = found_->back();
     excursion.to = sample.state.stamp;
     ++excursion.samples;
-    ++excursion.statuses.at(static_cast<std::size_t>(status_(sample)));
+    ++excursion.statuses.at(static_cast<std::size_t>(statusOf(sample)));
     if (parameter_ < 0 || report.size == 0) return;
     const auto index = static_cast<std::size_t>(parameter_);
     excursion.beyond = std::max(excursion.beyond, beyondRange(map_.parameters()[index], report.theta[index]));
@@ -69,7 +52,13 @@ class ExcursionCollector {
     open_ = true;
   }
 
-  StatusOf status_;
+  // What the controller reported in flight; where none was recorded, what the replay says.
+  ControlStatus statusOf(const ReplaySample& sample) const {
+    const auto found = recorded_.find(sample.state.stamp);
+    return found == recorded_.end() ? sample.report.status : found->second->status;
+  }
+
+  std::map<double, const FlightLog::Status*> recorded_;
   const RegionMap& map_;
   std::vector<Excursion>* found_;
   bool open_ = false;
@@ -84,10 +73,12 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
   axis.axis = kAxisNames[index].axis;
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
-  OnlineAxis online(map);
+  // None for a map of a minimum-peak robust MPC; `offline_mpt verify --exact` proves it.
+  const std::unique_ptr<AxisLaw> online = explicitAxisLaw(map, problemOf(map, axis.axis))->onlineEquivalent();
   MapUseCounter counter(map);
   std::vector<double> thetas;
   std::vector<double> input(map.inputs().size());
+  std::vector<double> solved(map.inputs().size());
   const std::vector<double> nothing(map.parameters().size(), std::numeric_limits<double>::quiet_NaN());
   DifferenceCollector qp;
   DifferenceCollector tracking;
@@ -105,12 +96,11 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
       if (use.lookup.status != LookupStatus::kInside) continue;
       axis.edge_series.push_back({stamp, use.face, use.edge});
       thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
-      if (!online.solves()) continue;
+      if (!online) continue;
       map.evaluate(report.theta.data(), input.data());
-      const std::optional<double> solved = online.input(report.theta.data());
-      if (solved) {
-        qp.add(input.front() - *solved, stamp);
-        axis.qp_series.push_back({stamp, std::abs(input.front() - *solved)});
+      if (online->evaluate(report.theta.data(), solved.data()).status == LookupStatus::kInside) {
+        qp.add(input.front() - solved.front(), stamp);
+        axis.qp_series.push_back({stamp, std::abs(input.front() - solved.front())});
       } else {
         ++axis.qp_failures;
       }
@@ -120,9 +110,8 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
   axis.qp = qp.result();
   axis.qp_compared = qp.count();
   axis.tracking = tracking.result();
-  axis.lookups = measureLookups(map, thetas);
-  axis.lookup_ns = percentiles(axis.lookups.in_order);
-  axis.lookup_shuffled_ns = percentiles(axis.lookups.shuffled);
+  axis.lookup_times = measureLookups(map, thetas);
+  axis.lookup_ns = percentiles(axis.lookup_times);
   return axis;
 }
 

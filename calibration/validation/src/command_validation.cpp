@@ -33,16 +33,9 @@ void countViolations(const ReplayedFlight& flight, CommandValidation* result) {
   }
 }
 
-// The last command with a stamp counts.
-std::map<double, const AttitudeCommand*> commandsOf(const FlightLog& log) {
-  std::map<double, const AttitudeCommand*> commands;
-  for (const FlightLog::Command& command : log.commands) commands[command.stamp] = &command.command;
-  return commands;
-}
-
 // Odometry and commands without their counterpart.
 void countAlone(const FlightLog& log, CommandValidation* result) {
-  const std::map<double, const AttitudeCommand*> recorded = commandsOf(log);
+  const auto recorded = log.commandsByStamp();
   std::set<double> stamps;
   for (const VehicleState& state : log.odometry) {
     stamps.insert(state.stamp);
@@ -83,7 +76,7 @@ CommandValidation validateCommands(const std::vector<ReplayedFlight>& flights) {
     result.recorded += flight.log.commands.size();
     countViolations(flight, &result);
     countAlone(flight.log, &result);
-    const std::map<double, const AttitudeCommand*> recorded = commandsOf(flight.log);
+    const auto recorded = flight.log.commandsByStamp();
     for (const ReplaySample& sample : flight.samples) {
       const auto match = recorded.find(sample.state.stamp);
       if (sample.ignorance || match == recorded.end()) continue;
@@ -108,12 +101,11 @@ StatusValidation validateStatuses(const std::vector<ReplayedFlight>& flights, co
   StatusValidation result;
   std::vector<double> step_times;
   for (const ReplayedFlight& flight : flights) {
-    std::map<double, const FlightLog::Status*> recorded;
+    const auto recorded = flight.log.statusesByStamp();
     for (const FlightLog::Status& status : flight.log.statuses) {
       step_times.push_back(1e9 * status.step_time);
       ++result.recorded.at(static_cast<std::size_t>(status.status));
       if (status.reason == ControlReason::kStale) continue;
-      recorded[status.stamp] = &status;
       for (std::size_t axis = 0; axis < maps.size() && status.reason == ControlReason::kNone; ++axis)
         result.max_input_difference =
             worse(result.max_input_difference, lawDifference(status, axis, *maps[axis]));

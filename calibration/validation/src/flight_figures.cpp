@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -15,6 +17,21 @@ constexpr const char* kAxisLetters[3] = {"x", "y", "z"};
 constexpr const char* kReferenceColor = "#b9c1c9";
 // Line width [px]. It is wider than the flown curve, so that both are seen.
 constexpr double kReferenceWidth = 5.0;
+// Greatest number of regions that are named beside the picture.
+constexpr std::size_t kNamedRegions = 12;
+// Lower end of the logarithmic axis of distances.
+constexpr double kFloor = 1e-4;
+
+double startOf(const ReportContent& content) { return content.samples.front().state.stamp; }
+
+// A curve over the samples, against seconds since the first.
+template <class Value>
+Series overTime(const ReportContent& content, const std::string& label, const std::string& color,
+                Value value) {
+  return curve(label, color, startOf(content), content.samples, [value](const ReplaySample& sample) {
+    return std::make_pair(sample.state.stamp, static_cast<double>(value(sample)));
+  });
+}
 
 // Seen from above: y against x, with gaps where samples are missing. `position` may be NaN.
 template <class Position>
@@ -63,14 +80,14 @@ ReportSection flightFigure(const ReportContent& content) {
 ReportSection heightFigure(const ReportContent& content) {
   std::vector<Panel> panels;
   const auto add = [&](const std::string& title, const std::string& label, auto value) {
-    Panel panel = timePanel(title, label);
     Series reference = overTime(content, "reference", kReferenceColor, [value](const ReplaySample& sample) {
       return sample.has_reference ? value(sample.reference) : kNothing;
     });
     reference.width = kReferenceWidth;
-    panel.series = {reference, overTime(content, "flown", palette::kBlue,
-                                        [value](const ReplaySample& sample) { return value(sample.state); })};
-    panels.push_back(panel);
+    panels.push_back(timePanel(title, label));
+    panels.back().series = {reference,
+                            overTime(content, "flown", palette::kBlue,
+                                     [value](const ReplaySample& sample) { return value(sample.state); })};
   };
   add("Height", "z [m]", [](const auto& at) { return at.position.z(); });
   add("Speed", "|v| [m/s]", [](const auto& at) { return at.velocity.norm(); });
@@ -82,17 +99,15 @@ ReportSection heightFigure(const ReportContent& content) {
 ReportSection errorFigure(const ReportContent& content) {
   Panel panel = timePanel("", "flown − reference [m]");
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto along = static_cast<Eigen::Index>(axis);
     panel.series.push_back(
-        overTime(content, kAxisLetters[axis], kAxisColors[axis], [axis](const ReplaySample& sample) {
-          const auto along = static_cast<Eigen::Index>(axis);
+        overTime(content, kAxisLetters[axis], kAxisColors[axis], [along](const ReplaySample& sample) {
           return sample.has_reference ? sample.state.position[along] - sample.reference.position[along]
                                       : kNothing;
         }));
   }
-  if (content.validation.hold) {
-    const double start = content.samples.front().state.stamp;
-    panel.bands = {{content.validation.hold->from - start, content.validation.hold->to - start}};
-  }
+  const std::optional<HoldOffset>& hold = content.validation.hold;
+  if (hold) panel.bands = {{hold->from - startOf(content), hold->to - startOf(content)}};
   return pictured("Tracking error",
                   "Flown position minus reference along each axis; where the reference rests at the end "
                   "(shaded) the error must vanish although the wind goes on.",
@@ -105,13 +120,10 @@ ReportSection commandFigure(const ReportContent& content) {
   const auto add = [&](const std::string& title, const std::string& label, double AttitudeCommand::*entry,
                        double least, double greatest) {
     Panel panel = timePanel(title, label);
-    Series series;
-    const double start = content.samples.front().state.stamp;
-    for (const FlightLog::Command& command : content.log.commands) {
-      series.x.push_back(command.stamp - start);
-      series.y.push_back(command.command.*entry);
-    }
-    panel.series = {thinned(series, kCurvePoints)};
+    panel.series = {curve("", palette::kBlue, startOf(content), content.log.commands,
+                          [entry](const FlightLog::Command& command) {
+                            return std::make_pair(command.stamp, command.command.*entry);
+                          })};
     panel.bounds = {{least, "least"}, {greatest, "greatest"}};
     panel.y_range = padded(least, greatest, 0.0);
     panels.push_back(panel);
@@ -129,77 +141,68 @@ ReportSection commandFigure(const ReportContent& content) {
       panels, row_height::kPaired, 2);
 }
 
-// All of the estimate, and of the truth what is not a short push.
-Panel::Range disturbanceRange(const std::vector<double>& estimate, std::vector<double> truth) {
-  // Least width of the drawn range [m/s^2].
-  constexpr double kLeastWidth = 0.02;
-  // One of so many samples is cut off at each end.
-  constexpr std::size_t kCut = 50;
-  std::sort(truth.begin(), truth.end());
-  const auto cut = static_cast<std::ptrdiff_t>(truth.size() / kCut);
-  std::vector<double> values(truth.begin() + cut, truth.end() - cut);
-  values.insert(values.end(), estimate.begin(), estimate.end());
-  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-  return padded(*least, *greatest, kLeastWidth);
+// Regions over time. Each region that was visited has a line of its own; of many, evenly spaced ones are named.
+Panel regionPanel(const ReportContent& content, std::size_t axis) {
+  const AxisValidation& used = content.validation.axes[axis];
+  std::set<std::int64_t> visited;
+  for (const ReplaySample& sample : content.samples) {
+    if (sample.report.axis[axis].region >= 0) visited.insert(sample.report.axis[axis].region);
+  }
+  const std::vector<std::int64_t> met(visited.begin(), visited.end());
+  Panel panel = timePanel(
+      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions()) + " regions",
+      "");
+  panel.series = {overTime(content, "", kAxisColors[axis], [&](const ReplaySample& sample) {
+    const std::int64_t region = sample.report.axis[axis].region;
+    const auto line = std::lower_bound(met.begin(), met.end(), region);
+    return region < 0 ? kNothing : static_cast<double>(std::distance(met.begin(), line));
+  })};
+  // Then there is nothing to fit a range to.
+  if (met.empty()) panel.x_range = padded(0.0, content.samples.back().state.stamp - startOf(content), 1.0);
+  panel.series[0].style = Style::kSteps;
+  const std::size_t step = met.size() / (kNamedRegions + 1) + 1;
+  for (std::size_t line = 0; line < met.size(); line += step)
+    panel.y_ticks.emplace_back(static_cast<double>(line), "region " + std::to_string(met[line]));
+  panel.y_range = {-0.6, std::max(0.6, static_cast<double>(met.size()) - 0.4)};
+  return panel;
 }
 
-ReportSection disturbanceFigure(const ReportContent& content) {
+ReportSection regionFigure(const ReportContent& content) {
+  // Height of a panel's title and axis, and of a named region [px].
+  constexpr std::size_t kFrame = 150;
+  constexpr std::size_t kLine = 18;
+  std::size_t lines = 0;
   std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Panel panel = timePanel(std::string("Along ") + kAxisLetters[axis],
-                            std::string("d_") + kAxisLetters[axis] + " [m/s²]");
-    Series truth;
-    truth.label = "true";
-    truth.color = kReferenceColor;
-    truth.width = 2.5;
-    for (const FlightLog::Disturbance& sample : content.log.disturbances) {
-      const double value = sample.acceleration[static_cast<Eigen::Index>(axis)];
-      if (!std::isfinite(value)) continue;
-      truth.x.push_back(sample.stamp - content.samples.front().state.stamp);
-      truth.y.push_back(value);
-    }
-    if (!truth.x.empty()) panel.series = {thinned(truth, kCurvePoints)};
-    panel.series.push_back(
-        overTime(content, "estimate", kAxisColors[axis],
-                 [axis](const ReplaySample& sample) { return sample.report.axis[axis].disturbance; }));
-    panel.y_range = disturbanceRange(panel.series.back().y, truth.y);
-    panels.push_back(panel);
+    panels.push_back(regionPanel(content, axis));
+    lines = std::max(lines, panels.back().y_ticks.size());
   }
-  return pictured(
-      "Disturbance estimate",
-      "What the observer took for wind (coloured) on top of the wind that a simulator made (grey), "
-      "where the log holds it. Short pushes may leave the picture.",
-      panels, row_height::kStacked);
+  return pictured("Active region over time",
+                  "Which region's law answered each sample, of the regions that were visited. A level line "
+                  "means that one affine law flew all along, a jump that the set of active constraints "
+                  "changed, a gap that there was no answer.",
+                  std::move(panels), static_cast<int>(kFrame + kLine * lines));
 }
 
 ReportSection distanceFigure(const ReportContent& content) {
-  // Lower end of the logarithmic axis.
-  constexpr double kFloor = 1e-4;
   std::vector<Panel> panels;
-  const double start = content.samples.front().state.stamp;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const AxisValidation& used = content.validation.axes[axis];
     if (used.edge_series.empty()) continue;
-    Series face, edge;
-    face.label = "nearest face";
-    face.color = palette::kGrey;
-    edge.label = "edge of the map";
-    edge.color = kAxisColors[axis];
-    const auto drawn = [&](double distance) {
-      return std::isfinite(distance) ? std::max(distance, kFloor) : kNothing;
-    };
-    for (const auto& [stamp, to_face, to_edge] : used.edge_series) {
-      face.x.push_back(stamp - start);
-      face.y.push_back(drawn(to_face));
-      edge.x.push_back(stamp - start);
-      edge.y.push_back(drawn(to_edge));
-    }
     Panel panel = timePanel(used.axis, "distance [-]");
+    const auto add = [&](const std::string& label, const std::string& color, std::size_t entry) {
+      panel.series.push_back(
+          curve(label, color, startOf(content), used.edge_series, [entry](const std::array<double, 3>& row) {
+            return std::make_pair(row[0],
+                                  std::isfinite(row[entry]) ? std::max(row[entry], kFloor) : kNothing);
+          }));
+    };
+    add("nearest face", palette::kGrey, 1);
+    add("edge of the map", kAxisColors[axis], 2);
     panel.log_y = true;
     panel.y_range = {kFloor, 2.0};
     for (const Excursion& excursion : used.excursions)
-      panel.bands.push_back({excursion.from - start, excursion.to - start});
-    panel.series = {thinned(withGaps(face), kCurvePoints), thinned(withGaps(edge), kCurvePoints)};
+      panel.bands.push_back({excursion.from - startOf(content), excursion.to - startOf(content)});
     panels.push_back(panel);
   }
   return pictured(
@@ -210,62 +213,48 @@ ReportSection distanceFigure(const ReportContent& content) {
       panels, row_height::kStacked);
 }
 
-ReportSection agreementFigure(const ReportContent& content) {
-  constexpr double kFloor = 1e-17;  // stands for zero on the logarithmic axis
-  Panel panel = timePanel("", "|explicit − online| [unit of the input]");
-  panel.log_y = true;
-  double greatest = 1e-9;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const AxisValidation& used = content.validation.axes[axis];
-    Series series;
-    series.label = withUnit(used.input, used.input_unit);
-    series.color = kAxisColors[axis];
-    series.style = Style::kPoints;
-    for (const auto& [stamp, difference] : used.qp_series) {
-      series.x.push_back(stamp - content.samples.front().state.stamp);
-      series.y.push_back(std::max(difference, kFloor));
-      greatest = std::max(greatest, difference);
-    }
-    if (!series.x.empty()) panel.series.push_back(thinned(series, kCurvePoints));
-  }
-  panel.y_range = {kFloor, 10.0 * greatest};
-  return pictured("Explicit against online",
-                  "Difference between the map's answer and an online QP solved at the same parameters, for "
-                  "every sample; the ordinate is logarithmic and equal answers lie on its lower edge.",
-                  {panel}, row_height::kAlone);
+// All of the estimate, and of the truth what is not a short push. Both may have gaps.
+Panel::Range disturbanceRange(const std::vector<double>& estimate, const std::vector<double>& truth) {
+  // Least width of the drawn range [m/s^2].
+  constexpr double kLeastWidth = 0.02;
+  // One of so many samples is cut off at each end.
+  constexpr std::size_t kCut = 50;
+  const auto isFinite = [](double value) { return std::isfinite(value); };
+  std::vector<double> known;
+  std::copy_if(truth.begin(), truth.end(), std::back_inserter(known), isFinite);
+  std::sort(known.begin(), known.end());
+  const auto cut = static_cast<std::ptrdiff_t>(known.size() / kCut);
+  std::vector<double> values(known.begin() + cut, known.end() - cut);
+  std::copy_if(estimate.begin(), estimate.end(), std::back_inserter(values), isFinite);
+  if (values.empty()) return padded(0.0, 0.0, kLeastWidth);
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  return padded(*least, *greatest, kLeastWidth);
 }
 
-ReportSection latencyFigure(const ReportContent& content) {
-  std::array<std::vector<double>, 2> times;
-  for (const AxisValidation& axis : content.validation.axes) {
-    times[0].insert(times[0].end(), axis.lookups.in_order.begin(), axis.lookups.in_order.end());
-    times[1].insert(times[1].end(), axis.lookups.shuffled.begin(), axis.lookups.shuffled.end());
-  }
-  std::vector<double> all = times[0];
-  all.insert(all.end(), times[1].begin(), times[1].end());
-  // The tail beyond is counted in the last bar.
-  const double lower = 0.8 * *std::min_element(all.begin(), all.end());
-  const double upper = std::max(1.3 * percentiles(all).p99, lower + 10.0);
+ReportSection disturbanceFigure(const ReportContent& content) {
   std::vector<Panel> panels;
-  for (const std::vector<double>& part : times) {
-    const Percentiles share = percentiles(part);
-    Panel panel;
-    panel.title = panels.empty() ? "In the order of the flight" : "Shuffled";
-    panel.x_label = "time per look-up [ns]";
-    panel.y_label = "batches";
-    panel.x_range = {lower, upper};
-    panel.series = {histogram(part, lower, upper, 50, false)};
-    const std::vector<double>& counts = panel.series[0].y;
-    panel.y_range = {0.0, 1.25 * *std::max_element(counts.begin(), counts.end())};  // room for the labels
-    panel.marks = {{share.p50, "median " + number(share.p50) + " ns", palette::kInk},
-                   {share.p99, "99 % below " + number(share.p99) + " ns"}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto along = static_cast<Eigen::Index>(axis);
+    Panel panel = timePanel(std::string("Along ") + kAxisLetters[axis],
+                            std::string("d_") + kAxisLetters[axis] + " [m/s²]");
+    Series truth = curve("true", kReferenceColor, startOf(content), content.log.disturbances,
+                         [along](const FlightLog::Disturbance& sample) {
+                           return std::make_pair(sample.stamp, sample.acceleration[along]);
+                         });
+    truth.width = 2.5;
+    const Series estimate =
+        overTime(content, "estimate", kAxisColors[axis],
+                 [axis](const ReplaySample& sample) { return sample.report.axis[axis].disturbance; });
+    panel.y_range = disturbanceRange(estimate.y, truth.y);
+    if (!truth.x.empty()) panel.series = {truth};
+    panel.series.push_back(estimate);
     panels.push_back(panel);
   }
-  return pictured("Look-up time",
-                  "Time of one look-up with its law, measured in batches of 16 on the parameters of this "
-                  "flight: in their order (left) and shuffled, so that neither caches nor branch prediction "
-                  "help (right); the last bar also holds what took longer.",
-                  panels, row_height::kAlone, 2);
+  return pictured(
+      "Disturbance estimate",
+      "What the observer took for wind (coloured) on top of the wind that a simulator made (grey), "
+      "where the log holds it. Short pushes may leave the picture.",
+      panels, row_height::kStacked);
 }
 
 }  // namespace
@@ -273,20 +262,15 @@ ReportSection latencyFigure(const ReportContent& content) {
 std::vector<ReportSection> flightFigures(const ReportContent& content) {
   std::vector<ReportSection> figures;
   if (content.samples.empty()) return figures;
-  const auto any = [&content](std::size_t AxisValidation::*count) {
-    const auto& axes = content.validation.axes;
-    return std::any_of(axes.begin(), axes.end(), [count](const auto& axis) { return axis.*count > 0; });
-  };
-  figures.push_back(flightFigure(content));
-  figures.push_back(heightFigure(content));
-  if (content.validation.tracked_samples > 0) figures.push_back(errorFigure(content));
+  figures = {flightFigure(content), heightFigure(content)};
+  const bool is_tracked = content.validation.tracked_samples > 0;
+  if (is_tracked) figures.push_back(errorFigure(content));
   if (!content.log.commands.empty()) figures.push_back(commandFigure(content));
-  if (content.validation.tracked_samples == 0) return figures;
-  for (ReportSection& figure : mapFigures(content)) figures.push_back(std::move(figure));
-  const bool any_inside = any(&AxisValidation::inside);
-  if (any_inside) figures.push_back(distanceFigure(content));
-  if (any(&AxisValidation::qp_compared)) figures.push_back(agreementFigure(content));
-  if (any_inside) figures.push_back(latencyFigure(content));
+  if (!is_tracked) return figures;
+  figures.push_back(regionFigure(content));
+  const auto& axes = content.validation.axes;
+  if (std::any_of(axes.begin(), axes.end(), [](const AxisValidation& axis) { return axis.inside > 0; }))
+    figures.push_back(distanceFigure(content));
   figures.push_back(disturbanceFigure(content));
   return figures;
 }

@@ -21,12 +21,10 @@ Json orNull(const std::optional<Value>& value) {
   return value ? Json(*value) : Json();
 }
 
-template <class Part, class Convert>
-Json listOf(const std::vector<Part>& parts, Convert convert) {
-  Json list = Json::array();
-  for (const Part& part : parts) list.push_back(convert(part));
-  return list;
-}
+template <class Part>
+Json listOf(const std::vector<Part>& parts);
+
+Json json(const TimeSpan& span) { return {span.from, span.to}; }
 
 Json json(const Difference& difference) {
   return {{"max", difference.max}, {"rms", difference.rms}, {"at_s", difference.stamp}};
@@ -37,8 +35,6 @@ Json json(const Percentiles& times) {
       {"p50", times.p50}, {"p90", times.p90}, {"p99", times.p99}, {"p99_9", times.p999}, {"max", times.max}};
 }
 
-Json json(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
 Json json(const DistanceUse& use, std::size_t samples) {
   const double count = samples > 0 ? static_cast<double>(samples) : 1.0;
   return {{"least", use.least}, {"mean", use.sum / count}, {"at_s", use.stamp}};
@@ -46,17 +42,11 @@ Json json(const DistanceUse& use, std::size_t samples) {
 
 Json json(const ParameterUse& use) {
   const auto [lower, upper] = use.proposedRange();
-  return {{"name", use.name},
-          {"unit", use.unit},
-          {"lower", use.lower},
-          {"upper", use.upper},
-          {"least", use.least},
-          {"greatest", use.greatest},
-          {"outside", use.outside},
-          {"margin", use.margin()},
-          {"room", use.room},
-          {"histogram", use.histogram},
-          {"proposed_range", {lower, upper}}};
+  return {{"name", use.name},       {"unit", use.unit},
+          {"lower", use.lower},     {"upper", use.upper},
+          {"least", use.least},     {"greatest", use.greatest},
+          {"outside", use.outside}, {"margin", use.margin()},
+          {"room", use.room},       {"proposed_range", {lower, upper}}};
 }
 
 // Samples by status; of those that were met, or of all.
@@ -92,20 +82,17 @@ Json json(const AxisValidation& axis) {
   out["outside_box"] = axis.outside_box;
   out["outside_partition"] = axis.outside_partition;
   out["not_finite"] = axis.not_finite;
-  out["parameters"] = listOf(axis.parameters, [](const auto& use) { return json(use); });
+  out["parameters"] = listOf(axis.parameters);
   out["face_distance"] = json(axis.face, axis.inside);
   out["edge_distance"] = json(axis.edge, axis.inside);
   out["edge_distance"]["parameter"] =
       axis.edge_parameter < 0 ? Json()
                               : Json(axis.parameters[static_cast<std::size_t>(axis.edge_parameter)].name);
-  out["excursions"] = listOf(axis.excursions, [](const auto& excursion) { return json(excursion); });
-  for (const MapUse::Window& window : axis.windows)
-    out["by_second"].push_back({window.from, window.samples, window.inside});
+  out["excursions"] = listOf(axis.excursions);
   out["qp_compared"] = axis.qp_compared;
   out["qp_failures"] = axis.qp_failures;
   out["qp_difference"] = json(axis.qp);
   out["lookup_ns"] = json(axis.lookup_ns);
-  out["lookup_shuffled_ns"] = json(axis.lookup_shuffled_ns);
   out["tracking_m"] = json(axis.tracking);
   return out;
 }
@@ -140,38 +127,7 @@ Json json(const StatusValidation& statuses) {
 Json json(const HoldOffset& hold) {
   return {{"from_s", hold.from},
           {"to_s", hold.to},
-          {"offset_m", json(hold.offset)},
-          {"disturbance_estimate_m_s2", json(hold.estimate)},
-          {"disturbance_m_s2", hold.disturbance ? json(*hold.disturbance) : Json()}};
-}
-
-Json json(const MapComparison& other) {
-  return {{"axis", other.axis},
-          {"map", fileName(other.path)},
-          {"regions", other.use.regions()},
-          {"regions_visited", other.use.visited()},
-          {"samples", other.use.samples},
-          {"inside", other.use.inside},
-          {"inside_both", other.both},
-          {"inside_only_flown", other.only_flown},
-          {"inside_only_other", other.only_other},
-          {"difference", json(other.difference)},
-          {"unit", other.input_unit},
-          {"qp_difference", json(other.qp)},
-          {"qp_failures", other.qp_failures},
-          {"lookup_ns", json(other.lookup_ns)}};
-}
-
-Json json(const MapProposal& proposal) {
-  Json changes = Json::array();
-  for (const MapProposal::Change& change : proposal.changes)
-    changes.push_back(
-        {{"parameter", change.parameter}, {"unit", change.unit}, {"from", change.from}, {"to", change.to}});
-  return {{"axis", proposal.axis},
-          {"map", fileName(proposal.map_path)},
-          {"changes", changes},
-          {"samples_without_solution", proposal.infeasible},
-          {"obstacle", proposal.obstacle}};
+          {"offset_m", {hold.offset.x(), hold.offset.y(), hold.offset.z()}}};
 }
 
 Json json(const RecordingShare::Amount& amount) {
@@ -183,9 +139,11 @@ Json json(const RecordingShare& share, bool is_whole) {
           {"bytes", json(share.bytes)},
           {"seconds", json(share.seconds)},
           {"whole", is_whole},
-          {"lost", listOf(share.lost, [](const TimeSpan& span) {
-             return Json{span.from, span.to};
-           })}};
+          {"lost", listOf(share.lost)}};
+}
+
+Json json(const ParametersTold::Change& change) {
+  return {{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}};
 }
 
 Json json(const ParametersTold& parameters, const std::array<AxisValidation, 3>& names) {
@@ -201,10 +159,7 @@ Json json(const ParametersTold& parameters, const std::array<AxisValidation, 3>&
                            {"problem", axis.problem},
                            {"calibration", axis.calibration}});
   }
-  out["changes"] = Json::array();
-  for (const ParametersTold::Change& change : parameters.changes)
-    out["changes"].push_back(
-        {{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}});
+  out["changes"] = listOf(parameters.changes);
   return out;
 }
 
@@ -213,6 +168,13 @@ Json json(const IncomparableStretch& stretch) {
           {"from_s", stretch.from},
           {"to_s", stretch.to},
           {"samples", stretch.samples}};
+}
+
+template <class Part>
+Json listOf(const std::vector<Part>& parts) {
+  Json list = Json::array();
+  for (const Part& part : parts) list.push_back(json(part));
+  return list;
 }
 
 }  // namespace
@@ -241,12 +203,10 @@ Json jsonOf(const ValidationReport& report) {
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
   out["recording"] = report.share ? json(*report.share, report.isWhole()) : Json();
-  out["incomparable"] = listOf(report.incomparable, [](const auto& stretch) { return json(stretch); });
+  out["incomparable"] = listOf(report.incomparable);
   out["parameters"] = report.parameters ? json(*report.parameters, report.axes) : Json();
   out["broken"] = report.broken;
   out["warnings"] = report.warnings;
-  out["comparisons"] = listOf(report.comparisons, [](const auto& other) { return json(other); });
-  out["proposals"] = listOf(report.proposals, [](const auto& proposal) { return json(proposal); });
   return out;
 }
 

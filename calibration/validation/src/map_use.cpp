@@ -8,18 +8,8 @@
 namespace polyfly {
 namespace {
 
-// Length of the windows of MapUse [s].
-constexpr double kWindow = 1.0;
 // Tolerance of the distance to the map's edge, in ranges of the parameter.
 constexpr double kRoomError = 1e-4;
-
-// Of a value in its range; what lies beyond is counted in the end bins.
-std::size_t binOf(const ParameterUse& use, double value) {
-  if (!(use.upper > use.lower)) return 0;
-  const double place = (value - use.lower) / (use.upper - use.lower) * ParameterUse::kBins;
-  const double last = ParameterUse::kBins - 1;
-  return static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, last));
-}
 
 // Whether the map's end along it cannot be passed. The controller clips the disturbance ahead to its range. The input of the
 // period before is enclosed by a range that holds all that an input may be, and a saturated input is no danger.
@@ -84,15 +74,9 @@ SampleUse MapUseCounter::add(double stamp, const double* theta) {
   SampleUse sample;
   sample.lookup = map_->locate(theta);
   ++use_.samples;
-  // A clock that was set back begins a window too.
-  if (use_.windows.empty() ||
-      !(stamp >= use_.windows.back().from && stamp < use_.windows.back().from + kWindow))
-    use_.windows.push_back({stamp, 0, 0});
-  ++use_.windows.back().samples;
   switch (sample.lookup.status) {
     case LookupStatus::kInside:
       ++use_.inside;
-      ++use_.windows.back().inside;
       ++use_.region_samples[sample.lookup.region];
       countDistances(stamp, theta, &sample);
       break;
@@ -117,7 +101,6 @@ void MapUseCounter::countParameters(const double* theta, LookupStatus status) {
     if (!std::isfinite(value)) continue;
     use.least = std::min(use.least, value);
     use.greatest = std::max(use.greatest, value);
-    ++use.histogram[binOf(use, value)];
     // The box as the map tests it is wider by its tolerance; a sample that it holds is inside for every
     // parameter.
     if (status == LookupStatus::kOutsideBox && !(value >= use.lower && value <= use.upper)) ++use.outside;

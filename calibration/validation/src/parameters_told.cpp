@@ -3,23 +3,23 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <sstream>
 
 #include "mpc_core/calibration_provenance.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/options_text.hpp"
 #include "polyfly_base/provenance.hpp"
 #include "polyfly_base/version.hpp"
 #include "region_maps/region_map.hpp"
+#include "report/report.hpp"
 #include "validation/controller_options.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, 3> kToldAxes = {"longitudinal", "lateral", "vertical"};
 // Number of options that a warning names.
 constexpr std::size_t kMostNamed = 5;
 
@@ -94,12 +94,6 @@ std::pair<double, double> beginningOf(const FlightLog& log) {
   return {log.clocks[0].start, log.clocks[1].start};
 }
 
-std::string timeText(double time) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f s", time);
-  return text.data();
-}
-
 std::string describeProblem(const std::string& problem, const std::string& calibration) {
   return "problem " + (problem.empty() ? "made of the options" : problem) + ", " +
          (calibration.empty() ? "not calibrated" : "calibrated: " + calibration);
@@ -115,7 +109,7 @@ void warnOfMaps(const ParametersTold& parameters, const AxisMaps& maps, std::vec
     const ParametersTold::Axis& flew = parameters.axes[axis];
     const std::string problem(maps[axis]->problemText());
     if (checksumOf(problem) == flew.problem) continue;
-    warnings->push_back(std::string("The ") + kToldAxes.at(axis) +
+    warnings->push_back(std::string("The ") + kAxisNames.at(axis).axis +
                         " axis flew another problem than that of " + maps[axis]->path() +
                         ". Flown: " + describeProblem(flew.problem, flew.calibration) +
                         ". Map: " + describeProblem(checksumOf(problem), calibrationsOf(problem)) + ".");
@@ -145,8 +139,8 @@ void warnOfChanges(const ParametersTold& parameters, std::vector<std::string>* w
     std::string text;
     for (std::size_t i = 0; i < std::min(change.parameters.size(), kMostNamed); ++i)
       text += (i > 0 ? ", " : "") + change.parameters[i];
-    warnings->push_back("Parameters changed in flight at " + timeText(change.time) + " (" + change.cause +
-                        "): " + text + ". The replay uses those of the start.");
+    warnings->push_back("Parameters changed in flight at " + number(change.time) + " s" + " (" +
+                        change.cause + "): " + text + ". The replay uses those of the start.");
   }
 }
 
@@ -165,8 +159,8 @@ std::optional<ParametersTold> parametersTold(const FlightLog& log) {
   parameters.law = at(values, told("law"));
   parameters.provenance = at(values, "provenance");
   const std::string group = sourceOf(parameters.law);
-  for (std::size_t axis = 0; axis < kToldAxes.size() && !group.empty(); ++axis) {
-    const std::string space = told(group + "/" + kToldAxes.at(axis));
+  for (std::size_t axis = 0; axis < kAxisNames.size() && !group.empty(); ++axis) {
+    const std::string space = told(group + "/" + kAxisNames.at(axis).axis);
     parameters.axes.at(axis) = {at(values, space + "/name"), at(values, space + "/checksum"),
                                 at(values, space + "/problem"), at(values, space + "/calibration")};
   }

@@ -55,13 +55,11 @@ RecordFollower::RecordFollower(const FlightLog& log, const AxisMaps& maps, doubl
     : maps_(maps),
       mass_(mass),
       tolerance_(tolerance),
+      commands_(log.commandsByStamp()),
+      statuses_(log.statusesByStamp()),
       silences_(log.silences.begin(), log.silences.end()),
       lost_(log.lost),
       is_lost_somewhere_(log.share && !log.share->isWhole() && log.lost.empty()) {
-  for (const FlightLog::Command& command : log.commands) commands_[command.stamp] = &command.command;
-  for (const FlightLog::Status& status : log.statuses) {
-    if (status.reason != ControlReason::kStale) statuses_[status.stamp] = &status;
-  }
   TimeSeries odometry;
   for (const VehicleState& state : log.odometry) {
     odometry.time.push_back(state.stamp);

@@ -1,7 +1,6 @@
 #include "validation/replay.hpp"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -26,8 +25,7 @@ bool hasParameter(const RegionMap& map, const char* name) {
 
 // Stamps of the odometry that the node answered; empty if the commands bear none of them.
 std::set<double> answeredStamps(const FlightLog& log) {
-  std::set<double> commanded;
-  for (const FlightLog::Command& command : log.commands) commanded.insert(command.stamp);
+  const auto commanded = log.commandsByStamp();
   std::set<double> answered;
   for (const VehicleState& state : log.odometry) {
     if (commanded.count(state.stamp) > 0) answered.insert(state.stamp);
@@ -54,7 +52,7 @@ AxisMaps assignAxes(const std::vector<const RegionMap*>& maps) {
     const std::size_t axis = axisOf(*map);
     if (assigned[axis] != nullptr) {
       throw Error(map->path() + ": parameters: " + kAxisNames[axis].axis + " axis already has the map " +
-                  assigned[axis]->path());
+                  assigned[axis]->path() + "; another one takes a run of its own");
     }
     assigned[axis] = map;
   }
@@ -139,10 +137,7 @@ int firstOutside(const RegionMap& map, const std::vector<double>& theta) {
 // The replay of a flight of another version keeps references only: what the controller told takes the place of the rest.
 // Where it told nothing, the map's parameters are not known.
 void takeRecorded(const FlightLog& log, const AxisMaps& maps, std::vector<ReplaySample>* samples) {
-  std::map<double, const FlightLog::Status*> recorded;
-  for (const FlightLog::Status& status : log.statuses) {
-    if (status.reason != ControlReason::kStale) recorded[status.stamp] = &status;
-  }
+  const auto recorded = log.statusesByStamp();
   for (ReplaySample& sample : *samples) {
     sample.ignorance = Ignorance::kVersion;
     const auto found = recorded.find(sample.state.stamp);

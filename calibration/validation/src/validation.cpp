@@ -26,7 +26,7 @@ std::vector<double> stampsOf(const std::vector<ReplaySample>& samples) {
   return stamps;
 }
 
-std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<ReplaySample>& all) {
+std::optional<HoldOffset> holdOffset(const std::vector<ReplaySample>& all) {
   std::vector<ReplaySample> samples;
   for (const ReplaySample& sample : all) {
     if (sample.is_known) samples.push_back(sample);
@@ -48,21 +48,9 @@ std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<Rep
     const ReplaySample& sample = samples[index];
     if (sample.state.stamp < hold.from) continue;
     hold.offset += sample.state.position - sample.reference.position;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      hold.estimate[static_cast<Eigen::Index>(axis)] += sample.report.axis[axis].disturbance;
-    }
     count += 1.0;
   }
   hold.offset /= count;
-  hold.estimate /= count;
-  Eigen::Vector3d disturbance = Eigen::Vector3d::Zero();
-  double disturbances = 0.0;
-  for (const FlightLog::Disturbance& sample : log.disturbances) {
-    if (sample.stamp < hold.from || sample.stamp > hold.to) continue;
-    disturbance += sample.acceleration;
-    disturbances += 1.0;
-  }
-  if (disturbances > 0.0) hold.disturbance = disturbance / disturbances;
   return hold;
 }
 
@@ -159,7 +147,7 @@ ValidationReport validate(const std::vector<ReplayedFlight>& flights, const Axis
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
     report.axes[axis] = validateAxis(flights, *maps[axis], axis);
-    const std::vector<double>& times = report.axes[axis].lookups.in_order;
+    const std::vector<double>& times = report.axes[axis].lookup_times;
     lookups.insert(lookups.end(), times.begin(), times.end());
   }
   report.lookup_ns = percentiles(lookups);
@@ -167,14 +155,8 @@ ValidationReport validate(const std::vector<ReplayedFlight>& flights, const Axis
   report.statuses = validateStatuses(flights, maps);
   if (flights.size() > 1) return report;
   report.parameters = parametersTold(first.log);
-  report.hold = holdOffset(first.log, first.samples);
-  report.warnings = recordWarnings(first.log, report);
-  std::vector<std::string> more = flightWarnings(first);
-  if (report.parameters) {
-    const std::vector<std::string> told = parameterWarnings(*report.parameters, maps, first.options);
-    more.insert(more.end(), told.begin(), told.end());
-  }
-  report.warnings.insert(report.warnings.end(), more.begin(), more.end());
+  report.hold = holdOffset(first.samples);
+  report.warnings = warningsOf(first, maps, report);
   return report;
 }
 

@@ -16,11 +16,10 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
 /// Recorded commands against the replay's and against the bounds of the options.
 CommandValidation validateCommands(const std::vector<ReplayedFlight>& flights);
 
-/// What the record lacks, in sentences: parts of it, stamps, commands of the flight, odometry of commands.
-std::vector<std::string> recordWarnings(const FlightLog& log, const ValidationReport& report);
-
-/// What does not fit together, in sentences: frames, signs, clocks, limits. No sentence where the data do not tell.
-std::vector<std::string> flightWarnings(const ReplayedFlight& flight);
+/// What the record lacks, and what does not fit together, in sentences: parts of it, stamps, commands, frames, parameters.
+/// No sentence where the data do not tell.
+std::vector<std::string> warningsOf(const ReplayedFlight& flight, const AxisMaps& maps,
+                                    const ValidationReport& report);
 
 /// The node's own account against the replay's, and against the laws of the maps.
 StatusValidation validateStatuses(const std::vector<ReplayedFlight>& flights, const AxisMaps& maps);

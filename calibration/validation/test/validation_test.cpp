@@ -278,17 +278,6 @@ TEST_F(Validation, saysWhenTheReferenceNeverRests) {
   EXPECT_FALSE(validated(log).hold.has_value());
 }
 
-TEST_F(Validation, averagesTheTrueDisturbanceOverTheHold) {
-  FlightLog log = syntheticFlight(maps_.axes());
-  for (std::size_t sample = 0; sample < SyntheticFlight::kSamples; ++sample) {
-    const double early = sample < SyntheticFlight::kSamples / 2 ? 100.0 : 0.0;
-    log.disturbances.push_back({SyntheticFlight::state(sample).stamp, {0.5 + early, -0.25, 0.0}});
-  }
-  const ValidationReport report = validated(log);
-  ASSERT_TRUE(report.hold && report.hold->disturbance);
-  EXPECT_LT((*report.hold->disturbance - Eigen::Vector3d(0.5, -0.25, 0.0)).norm(), kRounding);
-}
-
 TEST_F(Validation, judgesAnEmptyLogAsBroken) {
   const ValidationReport report = validated(FlightLog{});
   EXPECT_EQ(report.coverage, 0.0);
@@ -349,12 +338,9 @@ TEST(Percentiles, areNearestRanks) {
 
 TEST_F(Validation, lookUpsAreTimedAsOftenAsAsked) {
   const std::vector<double> thetas(5 * 100, 0.0);
-  const LookupTimes times = measureLookups(*maps_.axes()[0], thetas, 4, 50);
-  EXPECT_EQ(times.in_order.size(), 50u);
-  EXPECT_EQ(times.shuffled.size(), 50u);
-  EXPECT_EQ(measureLookups(*maps_.axes()[0], thetas, 4, 1).in_order.size(),
-            26u);  // each parameter at least once
-  EXPECT_TRUE(measureLookups(*maps_.axes()[0], {}, 4, 50).in_order.empty());
+  EXPECT_EQ(measureLookups(*maps_.axes()[0], thetas, 4, 50).size(), 50u);
+  EXPECT_EQ(measureLookups(*maps_.axes()[0], thetas, 4, 1).size(), 26u);  // each parameter at least once
+  EXPECT_TRUE(measureLookups(*maps_.axes()[0], {}, 4, 50).empty());
 }
 
 }  // namespace

@@ -60,40 +60,13 @@ TEST_F(Warnings, TellATwistInTheWorldsFrame) {
   }
 }
 
-TEST_F(Warnings, TellAWrongSign) {
-  FlightLog log = syntheticFlight(maps_.axes());
-  for (FlightLog::Command& command : log.commands) command.command.roll *= -1.0;
-  const ValidationReport report = validated(log);
-  EXPECT_TRUE(has(report, "roll commands are those of the replay with the other sign"));
-  EXPECT_FALSE(has(report, "pitch commands"));
-}
-
-TEST_F(Warnings, TellClocksThatDisagree) {
-  for (const std::size_t samples : {20u, 100u}) {
-    FlightLog log = syntheticFlight(maps_.axes());
-    // what was answered so many samples earlier bears this stamp
-    for (std::size_t k = log.commands.size(); k-- > samples;)
-      log.commands[k].command = log.commands[k - samples].command;
-    const std::string seconds = samples == 20 ? "0.2" : "1";
-    EXPECT_TRUE(has(validated(log), "roll commands come " + seconds + " s after those of the replay"));
-  }
-}
-
-TEST_F(Warnings, TellCommandsThatSomethingLimits) {
-  FlightLog log = syntheticFlight(maps_.axes());
-  double greatest = 0.0;
-  for (const FlightLog::Command& command : log.commands)
-    greatest = std::max(greatest, std::abs(command.command.roll));
-  for (FlightLog::Command& command : log.commands)
-    command.command.roll = std::min(std::max(command.command.roll, -0.2 * greatest), 0.2 * greatest);
-  EXPECT_TRUE(has(validated(log), "something limits them"));
-}
-
 TEST_F(Warnings, TellCommandsOfSomethingElse) {
   FlightLog log = syntheticFlight(maps_.axes());
   for (std::size_t k = 0; k < log.commands.size(); ++k)
     log.commands[k].command.pitch = 0.3 * std::sin(0.37 * static_cast<double>(k));
-  EXPECT_TRUE(has(validated(log), "are not those that these maps give"));
+  const ValidationReport report = validated(log);
+  EXPECT_TRUE(has(report, "The recorded pitch commands are not those that these maps give"));
+  EXPECT_FALSE(has(report, "The recorded roll commands"));
 }
 
 // Of a flight of 60 s: stamps and receive times, where odometry and commands have the same stamps.
@@ -191,8 +164,6 @@ TEST_F(Warnings, TellAClockThatWasSet) {
     EXPECT_TRUE(has(report, "Odometry: after 102.99 s the times jump by ")) << jump;
     EXPECT_NEAR(report.duration, whole.duration, 0.02) << jump;
     EXPECT_EQ(report.samples, whole.samples);
-    EXPECT_GT(report.axes[0].windows.size(), 9u);
-    EXPECT_LT(report.axes[0].windows.size(), 13u);
   }
 }
 

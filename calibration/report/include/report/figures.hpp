@@ -28,6 +28,22 @@ inline std::string withUnit(const std::string& name, const std::string& unit) {
 /// least 0.2 s.
 Series withGaps(Series series);
 
+/// A curve over the items of a list, thinned, with gaps. `point` gives the time [s] and the value of an item; times are drawn
+/// from `start` on.
+template <class List, class Point>
+Series curve(const std::string& label, const std::string& color, double start, const List& list,
+             Point point) {
+  Series series;
+  series.label = label;
+  series.color = color;
+  for (const auto& item : list) {
+    const auto [time, value] = point(item);
+    series.x.push_back(time - start);
+    series.y.push_back(value);
+  }
+  return thinned(withGaps(series), kCurvePoints);
+}
+
 /// Heights of a row of panels [px].
 namespace row_height {
 /// Height of each of three or more rows over time.

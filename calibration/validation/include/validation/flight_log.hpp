@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -120,6 +121,22 @@ struct FlightLog {
   void addSilence(double stamp) {
     events.push_back({EventKind::kSilence, silences.size()});
     silences.push_back(stamp);
+  }
+
+  /// The last command with each stamp.
+  std::map<double, const AttitudeCommand*> commandsByStamp() const {
+    std::map<double, const AttitudeCommand*> by_stamp;
+    for (const Command& command : commands) by_stamp[command.stamp] = &command.command;
+    return by_stamp;
+  }
+
+  /// The account of each step by the stamp of its odometry. Those of silences are none.
+  std::map<double, const Status*> statusesByStamp() const {
+    std::map<double, const Status*> by_stamp;
+    for (const Status& status : statuses) {
+      if (status.reason != ControlReason::kStale) by_stamp[status.stamp] = &status;
+    }
+    return by_stamp;
   }
 };
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -15,11 +14,8 @@ namespace polyfly {
 
 class RegionMap;
 
-/// How far a map's parameter went, how often where, and how near the map's end along it.
+/// How far a map's parameter went, and how near the map's end along it.
 struct ParameterUse {
-  /// Number of bins of the range, equally wide.
-  static constexpr std::size_t kBins = 20;
-
   std::string name;
   std::string unit;
   /// Lower end of the map's range [unit].
@@ -32,8 +28,6 @@ struct ParameterUse {
   double greatest = -std::numeric_limits<double>::infinity();
   /// Samples beyond the range.
   std::size_t outside = 0;
-  /// Samples in each bin. Samples beyond the range are in the end bins.
-  std::array<std::size_t, kBins> histogram{};
   /// Least way that this parameter alone could still have gone, down or up, before the map ended: its range or its
   /// last region. Of samples inside; infinite if there are none, and where nothing leads beyond. That is so for the
   /// previous input where its range holds all that the input may be. It is so too for the disturbance ahead, which is
@@ -57,13 +51,6 @@ struct DistanceUse {
 
 /// How a flight, or several, used one map.
 struct MapUse {
-  /// One second of flight, or a little more.
-  struct Window {
-    double from = 0.0;  ///< stamp [s]
-    std::size_t samples = 0;
-    std::size_t inside = 0;
-  };
-
   /// Samples with a reference.
   std::size_t samples = 0;
   std::size_t inside = 0;
@@ -75,7 +62,6 @@ struct MapUse {
   /// Number of samples in each region of the map.
   std::vector<std::size_t> region_samples;
   std::vector<ParameterUse> parameters;
-  std::vector<Window> windows;
   /// Distance to the nearest face of the sample's region. Ends that nothing can pass do not count (see
   /// ParameterUse::room).
   DistanceUse face;

@@ -10,8 +10,6 @@
 #include "validation/difference.hpp"
 #include "validation/flight_log.hpp"
 #include "validation/lookup_times.hpp"
-#include "validation/map_comparison.hpp"
-#include "validation/map_proposal.hpp"
 #include "validation/map_use.hpp"
 #include "validation/parameters_told.hpp"
 #include "validation/replay.hpp"
@@ -57,11 +55,9 @@ struct AxisValidation : MapUse {
   /// Difference |explicit - online| of the axis' input, over samples inside the map.
   Difference qp;
 
-  LookupTimes lookups;
-  /// Look-up times of lookups.in_order [ns].
+  /// See measureLookups [ns].
+  std::vector<double> lookup_times;
   Percentiles lookup_ns;
-  /// Look-up times of lookups.shuffled [ns].
-  Percentiles lookup_shuffled_ns;
 
   /// Tracking error |position - reference| [m].
   Difference tracking;
@@ -114,9 +110,7 @@ struct StatusValidation {
 struct HoldOffset {
   double from = 0.0;  ///< [s], stamps
   double to = 0.0;
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();    ///< mean of position - reference [m]
-  Eigen::Vector3d estimate = Eigen::Vector3d::Zero();  ///< mean of the disturbance estimate [m/s^2]
-  std::optional<Eigen::Vector3d> disturbance;          ///< mean of the true one, where recorded [m/s^2]
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< mean of position - reference [m]
 };
 
 /// What a report says in one word.
@@ -162,11 +156,6 @@ struct ValidationReport {
   /// Sentences of brokenThresholds, where they were asked for.
   std::vector<std::string> broken;
 
-  /// Comparisons with other maps, where compareMaps was requested.
-  std::vector<MapComparison> comparisons;
-  /// Proposed problems, where proposeMap was requested.
-  std::vector<MapProposal> proposals;
-
   Verdict verdict() const;
   /// Whether nothing of the recording is known to be lost or altered.
   bool isWhole() const;
@@ -198,9 +187,6 @@ struct Thresholds {
 /// Greatest difference of a recorded input to the law of its map at the recorded parameters, of another version.
 constexpr double kLawTolerance = 1e-9;
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
-
-/// The verdict as a sentence.
-const char* sentenceOn(Verdict verdict);
 
 /// The flat numbers of `summary.json` first, then the details. README.md lists the keys.
 Json jsonOf(const ValidationReport& report);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,22 +20,17 @@ struct BagTopics {
   std::string parameters = "parameters_in_force";        ///< of any node in the namespace; may be missing
 };
 
-/// Asked which topic is meant where none bears the name: the index of one of `choices`, or none.
-using BagQuestion = std::function<std::optional<std::size_t>(const std::string& question,
-                                                             const std::vector<std::string>& choices)>;
-
 /// Reads a flight. Odometry, commands and one of trajectory and pose must be there. What is damaged is left out and
 /// told in the log's remarks. A bag that was cut off or has no index gives its complete chunks (bags/scan_bag.hpp).
 /// Throws polyfly::Error naming file, topic and rule when the file is missing, empty or no bag. Also when a topic is
-/// missing or of another type, or when a message breaks the rules of online_controller_ros/conversions.hpp. `ask` may
-/// say which topic of the right type is meant where odometry, commands or references are not found by their names.
+/// missing or of another type, or when a message breaks the rules of online_controller_ros/conversions.hpp.
 /// A recording that was split is read from its pieces, in order.
 polyfly::FlightLog readBag(const std::vector<std::string>& pieces, const BagTopics& topics,
-                           const BagProgress& progress = {}, const BagQuestion& ask = {});
+                           const BagProgress& progress = {});
 
 inline polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics,
-                                  const BagProgress& progress = {}, const BagQuestion& ask = {}) {
-  return readBag(std::vector<std::string>{path}, topics, progress, ask);
+                                  const BagProgress& progress = {}) {
+  return readBag(std::vector<std::string>{path}, topics, progress);
 }
 
 /// The bags by recording, in the order of their first pieces. Throws Error as readBag does.

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <memory>
-#include <string>
 
 #include "polyfly_ros/guarded_queue.hpp"
 #include "region_maps/region_map.hpp"
@@ -21,12 +20,11 @@ namespace polyfly_ros {
 /// was outside since the start; ERROR: the maps are not those that fly.
 ///
 /// Private parameters: maps/longitudinal, maps/lateral, maps/vertical (paths, as the controller has them),
-/// period [s], summary (path of a JSON file, written at the end; empty: none).
+/// period [s].
 class CoverageNode {
  public:
   /// Throws polyfly::Error naming the parameter or the map.
   CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);
-  ~CoverageNode();
   CoverageNode(const CoverageNode&) = delete;
   CoverageNode& operator=(const CoverageNode&) = delete;
 
@@ -34,13 +32,11 @@ class CoverageNode {
   void onStatus(const online_controller::ControllerStatus::ConstPtr& message);
   void count(std::size_t axis, double stamp, const online_controller::AxisStatus& status);
   void publish() const;
-  void writeSummary() const;
 
   GuardedQueue queue_;
   std::array<std::unique_ptr<polyfly::RegionMap>, 3> maps_;
   std::array<std::unique_ptr<polyfly::MapUseCounter>, 3> counters_;
   std::array<std::size_t, 3> foreign_{};  // samples with another number of parameters
-  std::string summary_;
   ros::Publisher publisher_;
   ros::Subscriber subscriber_;
   ros::WallTimer timer_;

@@ -36,8 +36,8 @@ class TopicReader {
   /// The pieces of one recording, in order; at least one.
   explicit TopicReader(std::vector<std::string> paths) : paths_(std::move(paths)), path_(paths_.front()) {}
 
-  /// Reads the files and holds the messages of all topics whose names end with one of `names`. A further scan forgets those
-  /// of the one before. Throws Error.
+  /// Reads the files and holds the messages of all topics whose names end with one of `names`. Called once.
+  /// Throws Error.
   void scan(const std::vector<std::string>& names, const BagProgress& progress);
 
   /// The namespace of the vehicle with slashes on both sides. It is the given one. Where that is empty, it is the one

@@ -8,11 +8,8 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -352,13 +349,7 @@ TEST_F(BagReader, saysWhyNoReferenceIsUsable) {
   EXPECT_EQ(errorOf().substr(0, 38), "no usable reference, the last one: com");
 }
 
-TEST_F(BagReader, refusesWhatIsNoBag) {
-  EXPECT_EQ(errorOf(), "no such file");
-  EXPECT_EQ(errorOf(folder_.path(), {}), "not a file");
-  std::ofstream(path()).close();
-  EXPECT_EQ(errorOf(), "is empty (0 bytes), not a bag");
-  std::ofstream(path()) << "This is some text that goes on for a while and is certainly not a bag at all.\n";
-  EXPECT_EQ(errorOf().substr(0, 13), "is not a bag:");
+TEST_F(BagReader, refusesABagWithoutMessages) {
   rosbag::Bag(path(), rosbag::bagmode::Write).close();
   EXPECT_EQ(errorOf(), "holds no message");
 }
@@ -388,60 +379,6 @@ TEST_F(BagReader, readsWhatABagHeldBeforeItWasCutOff) {
   }
   EXPECT_GT(read, kCuts / 4);
   EXPECT_GT(before, 150u);
-}
-
-TEST_F(BagReader, readsABagWhoseRecorderWasKilled) {
-  writeFlightBag(log_, path());
-  const FlightLog closed = readBag(path(), {});
-  EXPECT_TRUE(closed.remarks.empty());
-  // The place of the index is written when a bag is closed.
-  std::string bytes = contents(path());
-  const std::size_t place = bytes.find("index_pos=");
-  bytes.replace(place + 10, 8, 8, '\0');
-  std::ofstream(path(), std::ios::binary | std::ios::trunc) << bytes;
-  const FlightLog open = readBag(path(), {});
-  ASSERT_EQ(open.remarks.size(), 1u);
-  EXPECT_NE(open.remarks[0].find("no index: "), std::string::npos);
-  EXPECT_EQ(open.odometry.size(), closed.odometry.size());
-  EXPECT_EQ(open.commands.size(), closed.commands.size());
-}
-
-// Bags have no checksum, so a changed byte may pass; but it never ends the program.
-TEST_F(BagReader, survivesChangedBytes) {
-  FlightBagOptions options;
-  std::mt19937 random(11);
-  int refused = 0;
-  for (const auto compression : {rosbag::compression::Uncompressed, rosbag::compression::LZ4}) {
-    options.compression = compression;
-    writeFlightBag(log_, path(), options);
-    const std::string whole = contents(path());
-    for (int trial = 0; trial < 100; ++trial) {
-      std::string damaged = whole;
-      damaged[random() % damaged.size()] ^= static_cast<char>(1u << random() % 8u);
-      std::ofstream(path(), std::ios::binary | std::ios::trunc) << damaged;
-      if (errorOf() != "no error") ++refused;
-    }
-  }
-  EXPECT_GT(refused, 0);
-}
-
-TEST_F(BagReader, refusesDamagedBagsFromElsewhere) {
-  const char* data = std::getenv("POLYFLY_DATA");
-  const char* root = std::getenv("POLYFLY_ROOT");
-  const std::filesystem::path folder =
-      std::filesystem::path(data != nullptr ? data
-                                            : std::string(root != nullptr ? root : ".") + "/../shared/data") /
-      "bags";
-  if (!std::filesystem::is_directory(folder)) {
-    GTEST_SKIP() << "the reference data are absent: " << folder << " (set POLYFLY_DATA)";
-  }
-  int bags = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() != ".bag") continue;
-    EXPECT_NE(errorOf(entry.path().string(), {}), "no error");
-    ++bags;
-  }
-  EXPECT_GT(bags, 10);
 }
 
 }  // namespace

@@ -98,10 +98,7 @@ void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::
   const ros::Duration shift(options.arrival_shift);
   for (const FlightLog::Command& command : log.commands) {
     if (!options.commands) break;
-    mav_msgs::RollPitchYawrateThrust message = commandOf(command);
-    const auto [from, by] = options.command_jump;
-    if (command.stamp >= from) message.header.stamp += ros::Duration(by);
-    arrive(ros::Time(command.stamp) + shift, "command/roll_pitch_yawrate_thrust", message);
+    arrive(ros::Time(command.stamp) + shift, "command/roll_pitch_yawrate_thrust", commandOf(command));
   }
   for (const FlightLog::Status& status : log.statuses) {
     if (!options.statuses) break;

@@ -17,8 +17,6 @@ struct FlightBagOptions {
   rosbag::CompressionType compression = rosbag::compression::Uncompressed;
   /// Delay of commands and status at the recorder, relative to odometry [s].
   double arrival_shift = 0.0;
-  /// From this stamp on the headers' clock of commands is ahead by the second number [s]; the recorder's is not.
-  std::pair<double, double> command_jump = {0.0, 0.0};
   /// How late the recorder is from these times on [s], in order. Messages come in one after the other.
   std::vector<std::pair<double, double>> late;
   /// Bytes after which a chunk ends.

@@ -150,15 +150,13 @@ class ScriptWriter {
       out_ << "set xlabel " << quoted(panel.x_label) << " offset 0,0.3\n";
     }
     out_ << "set ylabel " << quoted(panel.y_label) << "\n";
-    out_ << (panel.legend_below ? "set key below center horizontal"
-                                : "set key at graph 1, graph 1 right bottom horizontal")
-         << " maxrows 1 samplen 2 height 0.4 noautotitle\n";
-    if (panel.log_x) out_ << "set logscale x\n";
+    out_
+        << "set key at graph 1, graph 1 right bottom horizontal maxrows 1 samplen 2 height 0.4 noautotitle\n";
     if (panel.log_y) out_ << "set logscale y\n";
     if (panel.equal_axes) out_ << "set size ratio -1\n";
     writeRange("x", panel.x_range);
     writeRange("y", panel.y_range);
-    writeTicks("x", panel.x_range, panel.log_x, panel.x_ticks);
+    writeTicks("x", panel.x_range, false, {});
     writeTicks("y", panel.y_range, panel.log_y, panel.y_ticks);
   }
 
@@ -194,29 +192,13 @@ class ScriptWriter {
     }
     // Arrows without heads stand in for lines, because they may end at the panel's edge.
     for (const Rule& bound : panel.bounds) {
-      out_ << "set arrow from graph 0, first " << bound.value << " to graph 1, first " << bound.value;
-      writeRuleStyle(bound);
+      out_ << "set arrow from graph 0, first " << bound.value << " to graph 1, first " << bound.value
+           << " nohead front lc rgb " << quoted(bound.color) << " lw 1.3 dt (6,4)\n";
       if (!bound.label.empty()) {
         out_ << "set label " << quoted(bound.label) << " at graph 0.995, first " << bound.value
              << " right offset 0,0.5 front font ',11' textcolor rgb " << quoted(bound.color) << "\n";
       }
     }
-    // Labels of neighbouring marks are staggered so that they do not cover each other.
-    double height = 0.95;
-    for (const Rule& mark : panel.marks) {
-      out_ << "set arrow from first " << mark.value << ", graph 0 to first " << mark.value << ", graph 1";
-      writeRuleStyle(mark);
-      if (!mark.label.empty()) {
-        out_ << "set label " << quoted(mark.label) << " at first " << mark.value << ", graph " << height
-             << " left offset 0.5,0 front font ',11' textcolor rgb " << quoted(mark.color) << "\n";
-        height -= 0.09;
-      }
-    }
-  }
-
-  void writeRuleStyle(const Rule& rule) {
-    out_ << " nohead front lc rgb " << quoted(rule.color) << " lw 1.3 dt " << (rule.solid ? "solid" : "(6,4)")
-         << "\n";
   }
 
   void writeScale(const Panel& panel) {
@@ -272,24 +254,14 @@ class ScriptWriter {
       case Series::Style::kLine:
         out_ << "with lines";
         break;
-      case Series::Style::kDashed:
-        out_ << "with lines dt (7,4)";
-        break;
       case Series::Style::kSteps:
         out_ << "with steps";
         break;
       case Series::Style::kPoints:
         out_ << "with points pt 7 ps " << series.width / kPixelsPerPointSize;
         break;
-      case Series::Style::kBars:
-        out_ << "with boxes fs solid 1.0 border lc rgb '#ffffff'";
-        break;
     }
-    if (series.style == Series::Style::kBars) {
-      out_ << " fc rgb " << quoted(series.color);
-    } else {
-      out_ << " lw " << series.width << " lc rgb " << quoted(series.color);
-    }
+    out_ << " lw " << series.width << " lc rgb " << quoted(series.color);
     if (!series.label.empty()) {
       out_ << " title " << quoted(series.label);
     }

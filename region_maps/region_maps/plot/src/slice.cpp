@@ -57,15 +57,11 @@ std::vector<double> fixedValues(const RegionMap& map, const SliceRequest& reques
   return theta;
 }
 
-// The part of a parameter's range that is drawn.
-Panel::Range window(const RegionMap& map, int parameter, const std::optional<Panel::Range>& wanted) {
+Panel::Range rangeOf(const RegionMap& map, int parameter) {
   const Signal& signal = map.parameters()[static_cast<std::size_t>(parameter)];
-  const Panel::Range range = {std::max(signal.lower, wanted ? wanted->first : signal.lower),
-                              std::min(signal.upper, wanted ? wanted->second : signal.upper)};
-  if (!(range.first < range.second)) {
-    throw Error(map.path() + ": slice: the window of " + signal.name + " has no part in its range");
-  }
-  return range;
+  if (!(signal.lower < signal.upper))
+    throw Error(map.path() + ": slice: the range of " + signal.name + " is empty");
+  return {signal.lower, signal.upper};
 }
 
 // The plane's trace in the slice, a x + b y <= c in units where x and y run from -1 to 1.
@@ -118,8 +114,8 @@ Slice slice(const RegionMap& map, const SliceRequest& request) {
     throw Error(map.path() + ": slice: both axes are '" + request.x + "'");
   }
   cut.theta = fixedValues(map, request, cut.x, cut.y);
-  cut.x_range = window(map, cut.x, request.x_window);
-  cut.y_range = window(map, cut.y, request.y_window);
+  cut.x_range = rangeOf(map, cut.x);
+  cut.y_range = rangeOf(map, cut.y);
   const auto& [left, right] = cut.x_range;
   const auto& [low, high] = cut.y_range;
   for (std::size_t index = 0; index < map.regionCount(); ++index) {

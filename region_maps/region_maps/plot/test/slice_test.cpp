@@ -108,29 +108,6 @@ TEST(Slice, keepsOrDropsARegionWhosePlaneIsParallelToTheSlice) {
   EXPECT_EQ(above.polygons[0].region, 0u);
 }
 
-TEST(Slice, aWindowShowsTheSameRegionsThere) {
-  const MapContent content = arrangement(5, kPlanes);
-  const MapInMemory memory(content);
-  SliceRequest request{"alpha", "beta", {{"gamma", 0.1}}, Panel::Range{0.2, 0.5}, Panel::Range{4.0, 100.0}};
-  const Slice cut = slice(memory.map(), request);
-  EXPECT_EQ(cut.x_range, Panel::Range(0.2, 0.5));
-  EXPECT_EQ(cut.y_range, Panel::Range(4.0, 9.0));
-  for (int column = 1; column < 40; ++column) {
-    for (int row = 1; row < 40; ++row) {
-      const std::vector<double> theta = {0.2 + 0.3 * column / 40.0, 4.0 + 5.0 * row / 40.0, 0.1};
-      const int cell = cellOf(content, theta);
-      if (cell < 0) continue;
-      std::vector<int> found;
-      for (const SlicePolygon& polygon : cut.polygons) {
-        if (holds(polygon, theta[0], theta[1])) found.push_back(static_cast<int>(polygon.region));
-      }
-      EXPECT_EQ(found, std::vector<int>{cell});
-    }
-  }
-  request.x_window = Panel::Range{3.0, 4.0};
-  EXPECT_NE(errorOf([&] { slice(memory.map(), request); }).find("window of alpha"), std::string::npos);
-}
-
 TEST(Slice, refusesBadRequestsByName) {
   const MapInMemory memory(arrangement(1, 2));
   const auto message = [&memory](const SliceRequest& request) {

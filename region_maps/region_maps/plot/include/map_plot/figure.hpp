@@ -23,13 +23,10 @@ constexpr const char* kGrey = "#8a929c";
 struct Series {
   enum class Style {
     kLine,
-    kDashed,
     /// Holds each value until the next x.
     kSteps,
     /// A dot for each sample.
     kPoints,
-    /// Boxes of the width between neighbouring x, from the axis up.
-    kBars,
   };
 
   /// Text in the legend. Empty: none.
@@ -44,12 +41,11 @@ struct Series {
   double width = 1.8;  ///< [px]
 };
 
-/// A straight line across the panel: horizontal (a bound of y) or vertical (a mark on x).
+/// A dashed line across the panel, a bound of y.
 struct Rule {
   double value = 0.0;
   std::string label;  ///< written at the line; none if empty
   std::string color = palette::kVermilion;
-  bool solid = false;  ///< dashed otherwise
 };
 
 /// A shaded interval of x.
@@ -91,16 +87,12 @@ struct Panel {
   std::vector<Patches> patches;  ///< drawn first, in order
   std::vector<Band> bands;
   std::vector<Series> series;
-  std::vector<Rule> bounds;      ///< horizontal
-  std::vector<Rule> marks;       ///< vertical
+  std::vector<Rule> bounds;
   std::optional<Range> x_range;  ///< fitted to the data otherwise
   std::optional<Range> y_range;
   std::optional<ColorScale> scale;
   bool equal_axes = false;  ///< one unit of x is as long as one of y
-  bool log_x = false;
   bool log_y = false;
-  bool legend_below = false;  ///< under the panel instead of above its upper right corner
-  std::vector<std::pair<double, std::string>> x_ticks;  ///< names in place of numbers, if any
   std::vector<std::pair<double, std::string>> y_ticks;  ///< names in place of numbers, if any
 };
 
@@ -125,11 +117,6 @@ void writeFigure(const Figure& figure, const std::string& path);
 
 /// The gnuplot commands and data of a figure: everything but the terminal. Deterministic.
 std::string figureScript(const Figure& figure);
-
-/// A histogram of `values` as bars over `bins` bins that are equal on a linear or logarithmic scale. Values
-/// out of [lower, upper] fall into the first or last bin; those that are not finite are left out. lower <
-/// upper, both > 0 on a logarithmic scale.
-Series histogram(const std::vector<double>& values, double lower, double upper, int bins, bool logarithmic);
 
 /// The same curve with at most about `points` points, keeping the extremes of each stretch, so that no peak
 /// is lost.

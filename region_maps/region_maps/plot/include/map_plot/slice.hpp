@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,8 +19,6 @@ struct SliceRequest {
   /// Values of the others by name, in the parameter's unit. Not named: 0 where the box holds it, else the
   /// box's middle.
   std::vector<std::pair<std::string, double>> at;
-  std::optional<Panel::Range> x_window = std::nullopt;  ///< only this part; the whole range if none
-  std::optional<Panel::Range> y_window = std::nullopt;
 };
 
 /// A region of the map, cut by the plane.
@@ -36,7 +33,7 @@ struct Slice {
   int x = 0;
   /// Index of the parameter along y.
   int y = 0;
-  /// Ranges along x and y, cut to the box.
+  /// Ranges along x and y, those of the box.
   Panel::Range x_range;
   Panel::Range y_range;
   /// All parameters. Entries x and y are not used.
@@ -46,7 +43,7 @@ struct Slice {
 };
 
 /// Cuts every region of the map. Throws Error naming the map, the parameter and the rule. A name must be known and
-/// given once, a value must be in the box, and so must a window.
+/// given once, and a value must be in the box.
 Slice slice(const RegionMap& map, const SliceRequest& request);
 
 /// "name [unit]".
