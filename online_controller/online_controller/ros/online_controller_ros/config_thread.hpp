@@ -14,6 +14,7 @@
 #include "online_controller_ros/flight_display.hpp"
 #include "online_controller_ros/flight_record.hpp"
 #include "polyfly_base/change_bounds.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 #include "polyfly_ros/option_table.hpp"
 #include "polyfly_ros/parameters_in_force.hpp"
 #include "polyfly_ros/reconfigure_server.hpp"

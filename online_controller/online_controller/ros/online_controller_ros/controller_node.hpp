@@ -18,6 +18,7 @@
 #include "online_controller_ros/flight_reporter.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/odometry_watch.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
