@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/controller_node.hpp"
 #include "polyfly_test/soak.hpp"
 

@@ -256,7 +256,7 @@ TEST(LawsOnPlants, ConstantWindLeavesNoOffset) {
 
 TEST(LawsOnPlants, TheNoisesOfMavControlRwFlyToo) {
   MultirotorOptions options;
-  options.noise = {0.01, 0.025, 0.015, 0.02, 0.1, 0.001, 0.0012, 0.01, 0.0025};
+  options.noise = {0.01, 0.025, 0.015, 0.02, 0.1, 0.001, 0.0012, 0.01};
   options.disturbance_drift = std::sqrt(0.1);
   for (const AttitudeLoop loop : kLoops) {
     Course course = spin(0.0, {2.0, -2.0, 1.0});

@@ -24,16 +24,15 @@ namespace {
 /// A proportional and derivative law at yaw 0: the least that flies.
 class DampedLaw final : public ControlLaw {
  public:
-  DampedLaw(const MultirotorOptions& options, double stiffness)
-      : ControlLaw(LawTiming{}), options_(options), stiffness_(stiffness) {
+  explicit DampedLaw(const MultirotorOptions& options) : ControlLaw(LawTiming{}), options_(options) {
     forget(LawMemory::kAll);
   }
 
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
     report_.stamp = state.stamp;
     if (!isValid(state) || !isValid(*preview)) return withoutAnswer(ControlReason::kNotFinite);
-    const double damping = 2.0 * std::sqrt(stiffness_);
-    const Eigen::Vector3d wanted = preview->acceleration + stiffness_ * (preview->position - state.position) +
+    const double damping = 2.0 * std::sqrt(kStiffness);
+    const Eigen::Vector3d wanted = preview->acceleration + kStiffness * (preview->position - state.position) +
                                    damping * (preview->velocity - state.velocity) - disturbance_;
     const double lift = std::clamp(options_.gravity + wanted.z(), options_.thrust_min, options_.thrust_max);
     const auto tilt = [&](double acceleration) {
@@ -68,8 +67,8 @@ class DampedLaw final : public ControlLaw {
   void inspect(const Reference*, LawInsight& insight) const noexcept override { insight.count = 0; }
 
  private:
+  static constexpr double kStiffness = 2.0;  // [1/s^2]
   MultirotorOptions options_;
-  double stiffness_;  // [1/s^2]
   Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();
 };
 
@@ -77,9 +76,8 @@ LawType dampedType() {
   LawType type;
   type.name = "damped";
   type.make = [](const LawParts& parts) -> std::unique_ptr<ControlLaw> {
-    return std::make_unique<DampedLaw>(parts.controller, parts.options.at(0));
+    return std::make_unique<DampedLaw>(parts.controller);
   };
-  type.options = {{"damped/stiffness", 2.0, "1/s^2", {0.1, 20.0}}};
   return type;
 }
 
@@ -93,7 +91,6 @@ std::vector<LawType> typesWithDamped() {
 LawInputs inputs(const std::vector<LawType>& types) {
   LawInputs inputs;
   inputs.problems = shippedProblems();
-  inputs.options = defaultLawOptions(types);
   return inputs;
 }
 
@@ -170,20 +167,6 @@ TEST(NewLaw, HasTheFallbackOfAllLaws) {
   EXPECT_EQ(laws->step(state, &reference).status, ControlStatus::kOptimal);
   EXPECT_EQ(laws->onSilence(1.0).status, ControlStatus::kLevel);
   EXPECT_EQ(laws->stepWithoutReference(2.0).status, ControlStatus::kNoReference);
-}
-
-TEST(NewLaw, ListsItsOptions) {
-  const std::vector<LawType> types = typesWithDamped();
-  std::vector<std::vector<double>> values = defaultLawOptions(types);
-  std::vector<std::string> keys;
-  visitLawOptions(types, values, [&](const char* key, double& value, const char* unit, const Range& range) {
-    keys.emplace_back(key);
-    EXPECT_EQ(std::string(unit), "1/s^2");
-    EXPECT_EQ(range.greatest, 20.0);
-    value = 5.0;
-  });
-  EXPECT_EQ(keys, std::vector<std::string>{"damped/stiffness"});
-  EXPECT_EQ(values.back(), std::vector<double>{5.0});
 }
 
 TEST(NewLaw, IsMissedByNameWhereItCannotBeMade) {

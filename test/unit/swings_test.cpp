@@ -43,7 +43,7 @@ Flown fly(const std::string& name, const Setting& setting, const Path& path) {
   NonlinearMpcOptions nonlinear;
   if (setting.told_lag > 0.0) nonlinear.model.roll_time = nonlinear.model.pitch_time = setting.told_lag;
   options.look_ahead = name != "linear";
-  LawInputs inputs{options, nonlinear, problemsWith(nullptr), nullptr, defaultLawOptions(lawTypes())};
+  LawInputs inputs{options, nonlinear, problemsWith(nullptr), nullptr};
   for (MpcProblem& problem : inputs.problems) problem.delay = setting.problems_delay;
   const auto made = makeLaws(lawTypes(), inputs, lawOfName(name.substr(0, name.find(','))));
   LawSwitch& laws = *made;

@@ -1,5 +1,6 @@
 #include "validation/controller_options.hpp"
 
+#include "online_controller/parameters/multirotor_parameters.hpp"
 #include "online_controller/types/node_options.hpp"
 #include "online_controller/types/option_groups.hpp"
 #include "polyfly_base/error.hpp"
@@ -8,13 +9,18 @@
 
 namespace polyfly {
 
-MultirotorOptions parseControllerOptions(const std::string& text, const std::string& source) {
+MultirotorOptions parseControllerOptions(const std::string& text, const std::string& source, bool told) {
   OptionsFromYaml reader(text, source);
   MultirotorOptions options;
   visitOptions(options, reader);
   // Of the node around the controller: they decide when it is called, which the bag tells.
   NodeOptions node;
   visitNodeOptions(node, reader);
+  if (told) {
+    reader.passOverRemoved(removedOptions());
+  } else {
+    reader.refuseRemoved(removedOptions());
+  }
   reader.refuseUnknownGroups(knownGroups(), {kSingleOptions.begin(), kSingleOptions.end()});
   reader.refuseUnknownKeys({"vehicle", "controller"});
   try {

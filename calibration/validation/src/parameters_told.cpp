@@ -179,7 +179,7 @@ bool isOfOtherVersion(const FlightLog& log) {
 }
 
 MultirotorOptions optionsInForce(const ParametersTold& parameters) {
-  return parseControllerOptions(parameters.text, "parameters in force of " + parameters.node);
+  return parseControllerOptions(parameters.text, "parameters in force of " + parameters.node, true);
 }
 
 std::vector<std::string> parameterWarnings(const ParametersTold& parameters, const AxisMaps& maps,

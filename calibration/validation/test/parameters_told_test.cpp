@@ -92,6 +92,13 @@ TEST_F(ParametersToldTest, TheOptionsInForceReplayTheFlight) {
   EXPECT_TRUE(report.warnings.empty()) << joined(report.warnings);
 }
 
+TEST_F(ParametersToldTest, OptionsThatAreRemovedByNowAreReadOver) {
+  const std::string old = "controller:\n  coupling_drift: 0.005\n  descend_thrust: 0.95\n  yaw_gain: 2.0\n";
+  const auto told = parametersTold(flight({{-1.0, old}}));
+  ASSERT_TRUE(told.has_value());
+  EXPECT_EQ(optionsInForce(*told).yaw_gain, 2.0);
+}
+
 TEST_F(ParametersToldTest, OtherOptionsAreNamed) {
   flown_.mass = 1.7;
   const std::string sentences = joined(judged(flight({{-1.0, text(flown_, "start")}}), {}).warnings);

@@ -172,6 +172,8 @@ TEST(ControllerOptions, areReadFromTheNodesFile) {
 TEST(ControllerOptions, refusesBadFilesByLineAndKey) {
   const ScratchFolder folder;
   EXPECT_EQ(optionsError(folder, "vehicle:\n  mas: 2\n"), "options.yaml:2: vehicle/mas: unknown key");
+  EXPECT_EQ(optionsError(folder, "controller:\n  descend_thrust: 0.9\n"),
+            "options.yaml:2: controller/descend_thrust: is removed: a descent has 0.95 of the hover thrust");
   EXPECT_EQ(optionsError(folder, "controller: {hold_periods: 3}\nplant: {mass: 2.5}\n"),
             "options.yaml:2: plant: unknown group");
   EXPECT_EQ(optionsError(folder, "law: linear\nKF_observer: {P0_force: 0.1}\nreference_limits: {speed: 5}\n"),

@@ -40,7 +40,6 @@ LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle)
   Setup setup;
   ParameterReader reader(private_handle);
   polyfly::visitLateralParameters(setup, reader);
-  reader.passOver(polyfly::kInForceGroup);
   reader.refuseRemoved(
       {{"guidance/time_budget", "guidance/iterations makes more than one, whatever the time"}});
   reader.refuseUnknown({polyfly::kLateralGroups.begin(), polyfly::kLateralGroups.end()});

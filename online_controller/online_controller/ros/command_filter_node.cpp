@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <array>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -23,50 +24,15 @@ constexpr int kFilterQueue = 1;
 constexpr double kWarningPeriod = 1.0;  // [s]
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
-static_assert(static_cast<int>(polyfly::FilterStatus::kPassed) == Status::PASSED &&
-                  static_cast<int>(polyfly::FilterStatus::kChanged) == Status::CHANGED &&
-                  static_cast<int>(polyfly::FilterStatus::kNoWish) == Status::NO_WISH &&
-                  static_cast<int>(polyfly::FilterStatus::kOutside) == Status::OUTSIDE &&
-                  static_cast<int>(polyfly::FilterStatus::kNoState) == Status::NO_STATE,
-              "the message restates the enumeration");
+static_assert(areCounted({Status::PASSED, Status::CHANGED, Status::NO_WISH, Status::OUTSIDE,
+                          Status::NO_STATE}),
+              "the message restates FilterStatus");
 
-const char* filterWords(polyfly::FilterStatus status) {
-  switch (status) {
-    case polyfly::FilterStatus::kPassed:
-      return "passed";
-    case polyfly::FilterStatus::kChanged:
-      return "changed: the nearest safe command is sent";
-    case polyfly::FilterStatus::kNoWish:
-      return "no command to filter: level attitude, hover thrust, as far as that is safe";
-    case polyfly::FilterStatus::kOutside:
-      return "outside of the safe set: the command of least violation is sent";
-    case polyfly::FilterStatus::kNoState:
-      return "no odometry to filter by";
-  }
-  return "";
-}
-
-const char* fallbackWords(polyfly::ControlStatus status) {
-  switch (status) {
-    case polyfly::ControlStatus::kHoldLast:
-      return ": last command repeated";
-    case polyfly::ControlStatus::kLevel:
-      return ": level attitude, hover thrust";
-    case polyfly::ControlStatus::kDescend:
-      return ": level attitude, less than hover thrust";
-    case polyfly::ControlStatus::kStopped:
-      return ": nothing is sent";
-    case polyfly::ControlStatus::kOptimal:
-    case polyfly::ControlStatus::kClipped:
-    case polyfly::ControlStatus::kNoReference:
-    case polyfly::ControlStatus::kManual:
-    case polyfly::ControlStatus::kMotorsOff:
-    case polyfly::ControlStatus::kSuboptimal:
-    case polyfly::ControlStatus::kLeastViolation:
-      break;
-  }
-  return "";
-}
+// By FilterStatus.
+constexpr std::array<const char*, 5> kFilterWords{
+    "passed", "changed: the nearest safe command is sent",
+    "no command to filter: level attitude, hover thrust, as far as that is safe",
+    "outside of the safe set: the command of least violation is sent", "no odometry to filter by"};
 
 polyfly::AttitudeCommand toCommand(const mav_msgs::RollPitchYawrateThrust& message) {
   return {message.roll, message.pitch, message.yaw_rate, message.thrust.z};
@@ -167,8 +133,9 @@ void CommandFilterNode::answer(const polyfly::AttitudeCommand& wish, const std_m
 void CommandFilterNode::report(const polyfly::FilterReport& report, const std_msgs::Header& header) {
   status_.header = header;
   status_.status = static_cast<std::uint8_t>(report.status);
-  status_.text = filterWords(report.status);
-  if (report.status == polyfly::FilterStatus::kNoState) status_.text += fallbackWords(report.fallback);
+  status_.text = kFilterWords.at(status_.status);
+  if (report.status == polyfly::FilterStatus::kNoState)
+    status_.text += std::string(": ") + words(report.fallback);
   fillFilterAxis(report.axes[0], status_.x);
   fillFilterAxis(report.axes[1], status_.y);
   fillFilterAxis(report.axes[2], status_.z);

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "online_controller_ros/conversions.hpp"
-#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -27,14 +26,7 @@ Message& taken(boost::shared_ptr<Message>& message, const std_msgs::Header& head
 
 }  // namespace
 
-OutputOptions readOutputOptions(ParameterReader& reader) {
-  OutputOptions options;
-  visitOutputOptions(options, reader);
-  polyfly::checkOutputOptions(options);
-  return options;
-}
-
-CommandOutput::CommandOutput(ros::NodeHandle& handle, const OutputOptions& options,
+CommandOutput::CommandOutput(ros::NodeHandle& handle, const polyfly::OutputOptions& options,
                              const polyfly::MultirotorOptions& vehicle)
     : yaw_(std::numeric_limits<double>::quiet_NaN()) {
   if (options.roll_pitch_yawrate_thrust) {

@@ -3,10 +3,8 @@
 #include <ros/ros.h>
 
 #include <algorithm>
-#include <sstream>
 
 #include "online_controller_ros/in_force_text.hpp"
-#include "online_controller_ros/law_sources.hpp"
 #include "online_controller_ros/map_swap.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -22,13 +20,12 @@ constexpr double kSwapTimeout = 1.0;
 constexpr double kSwapInterval = 0.002;
 
 /// Every weight, limit and gain; not what the memory of the laws depends on.
-OptionTable tableOf(LawSetup& setup, const LegacyNames& names) {
+OptionTable tableOf(polyfly::MultirotorParameters& parameters, const LegacyNames& names) {
   OptionTable table({"controller/control_period", "nonlinear/horizon", "nonlinear/period"});
-  polyfly::visitOptions(setup.controller, table);
-  polyfly::visitLinearTuning(setup.linear, table);
-  polyfly::visitNonlinearOptions(setup.nonlinear, table);
-  polyfly::visitMomentModel(setup.moments, table);
-  polyfly::visitLawOptions(polyfly::lawTypes(), setup.law_options, table);
+  polyfly::visitOptions(parameters.controller, table);
+  polyfly::visitLinearTuning(parameters.linear, table);
+  polyfly::visitNonlinearOptions(parameters.nonlinear, table);
+  polyfly::visitMomentModel(parameters.moments, table);
   for (const LegacyName& name : names) table.alias(name);
   return table;
 }
@@ -40,66 +37,42 @@ std::string joined(const std::array<std::string, 3>& paths) {
 }  // namespace
 
 ConfigThread::ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                           const Start& start, ActiveLaws& laws, FlightRecord& record)
+                           const LawSetup& setup, const LegacyNames& names, ActiveLaws& laws,
+                           FlightRecord& record)
     : handle_(onQueue(handle, queue_)),
       private_handle_(onQueue(private_handle, queue_)),
-      setup_(start.setup),
-      start_(start.parameters),
+      setup_(setup),
       laws_(laws),
       record_(record),
-      table_(tableOf(setup_, start.names)),
+      table_(tableOf(setup_.parameters, names)),
       bounds_(table_.bounds()),
-      reconfigure_(
-          private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return fixedInMaps(); }),
+      reconfigure_(private_handle_, table_, [this] { apply(); }),
       law_(laws.active()),
       in_force_(
           private_handle_, "multirotor",
-          [this](polyfly::OptionsText& text) { writeInForce(start_, setup_, law_, text); },
+          [this](polyfly::OptionsText& text) { writeInForce(setup_, law_, text); },
           [this] { return !laws_.pending(); }),
       display_(handle_),
       diagnostics_(handle_, private_handle_, record, laws),
       swap_service_(handle_.advertiseService("swap_maps", &ConfigThread::onSwapMaps, this)),
-      thread_(
-          queue_, "mpc_config", [this] { onTick(); }, kTick) {}
+      timer_(handle_.createSteadyTimer(ros::WallDuration(kTick),
+                                       [this](const ros::SteadyTimerEvent&) { onTick(); })) {
+  thread_.start();
+}
 
 void ConfigThread::apply() {
-  if (record_.commands.load(std::memory_order_relaxed))
-    bounds_.check(table_.values(), ros::SteadyTime::now().toSec());
+  if (record_.commands) bounds_.check(table_.values(), ros::SteadyTime::now().toSec());
   laws_.stage(setup_);
   noteInForce();
   in_force_.hasChanged("reconfigure");
 }
 
 void ConfigThread::noteInForce() {
-  if (record_.commands.load(std::memory_order_relaxed)) {
+  if (record_.commands) {
     bounds_.change(table_.values(), ros::SteadyTime::now().toSec());
   } else {
     bounds_.settle(table_.values());
   }
-}
-
-// The maps hold the solution for the values that they were solved with.
-std::string ConfigThread::fixedInMaps() const {
-  if (setup_.sources->explicitMaps().empty()) return "no region maps are loaded";
-  const polyfly::LinearTuning solved = polyfly::linearTuning(setup_.sources->problems);
-  std::ostringstream text;
-  text << "baked into the region maps (law explicit_linear): model, weights and command limits; linear/* "
-          "changes "
-          "the law linear only. ";
-  polyfly::visitLinearTuning(solved, [&](const char* key, double value, const char*, const polyfly::Range&) {
-    const OptionTable::Option* option = table_.find(key);
-    if (option != nullptr && OptionTable::get(*option) != value)
-      text << key << " is " << value << " in the maps, " << OptionTable::get(*option) << " here. ";
-  });
-  const auto explicit_place = static_cast<std::size_t>(polyfly::lawOfName("explicit_linear"));
-  text << "To re-solve: change `weights` and `inputs` in a copy of the problem file, then\n";
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string& path = setup_.files.maps.at(explicit_place)[i];
-    text << "  offline_mpt solve " << setup_.sources->explicitMaps().maps[i].name() << ".yaml -o "
-         << path.substr(0, path.rfind('.')) << ".new.map\n";
-  }
-  text << "and call the service " << handle_.resolveName("swap_maps") << " with the new maps.";
-  return text.str();
 }
 
 bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
@@ -114,7 +87,7 @@ bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
     noteInForce();
     response.success = 1;
     response.message =
-        joined(setup_.files.maps.at(static_cast<std::size_t>(lawOfSwap(request)))) + waitForSwap();
+        joined(setup_.parameters.maps.at(static_cast<std::size_t>(lawOfSwap(request)))) + waitForSwap();
     reconfigure_.hasChanged();
     in_force_.hasChanged("region maps");
     ROS_INFO("region maps: %s", response.message.c_str());

@@ -1,14 +1,17 @@
 #include "online_controller_ros/controller_node.hpp"
 
 #include <ros/console.h>
+#include <std_msgs/String.h>
 
 #include <exception>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "online_controller/types/option_groups.hpp"
 #include "online_controller_ros/conversions.hpp"
-#include "online_controller_ros/stage_clock.hpp"
+#include "online_controller_ros/flight_record.hpp"
+#include "online_controller_ros/legacy_parameters.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
@@ -18,83 +21,79 @@ namespace {
 constexpr double kIdleInterval = 10.0;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-constexpr const char* kByPrefix =
-    "start the node, or the nodelet manager, with launch-prefix=\"chrt -f 50 taskset -c 2\"";
-constexpr const char* kByThread = "odometry is answered in the control thread";
-
-const std::vector<RemovedParameter> kRemoved = {
-    {"control_interface/idle_publishes",
-     "nothing is sent before a reference or a take-off; for the set-points that an autopilot "
-     "needs to become guided use "
-     "control_interface/offboard_stream"},
-    {"real_time/priority", kByPrefix},
-    {"real_time/core", kByPrefix},
-    {"real_time/lock_memory", kByPrefix},
-    {"real_time/answer", kByThread},
-    {"real_time/poll", kByThread},
-    {"real_time/rehearse", kByThread}};
-
-}  // namespace
-
-ControllerNode::Setup ControllerNode::readSetup(const ros::NodeHandle& private_handle,
-                                                bool has_legacy_names) {
-  Setup setup;
-  ParameterReader reader(private_handle);
-  setup.laws = LawSetup::read(reader);
-  setup.flight = FlightSetup::read(reader);
-  visitNodeOptions(setup.node, reader);
-  setup.output = readOutputOptions(reader);
-  reader("provenance", setup.provenance);
-  reader.passOver(polyfly::kInForceGroup);
-  reader.refuseRemoved(kRemoved);
+LawSetup readSetup(const ros::NodeHandle& private_handle, const LegacyNames& names) {
+  ParameterReader reader(private_handle, names);
+  LawSetup setup = LawSetup::read(reader);
+  reader.refuseRemoved(polyfly::removedOptions());
   reader.refuseUnknown(polyfly::ownGroups());
-  if (!has_legacy_names) {  // else the import has told
-    for (const std::string& name : reader.unread())
-      ROS_WARN("MPC does not know the parameter %s", name.c_str());
+  if (!reader.adopted().empty()) ROS_INFO("parameters of mav_control_rw: %s", reader.adopted().c_str());
+  for (const std::string& name : reader.unread()) {
+    const char* why = names.empty() ? nullptr : whyUnread(name);
+    if (why != nullptr) ROS_WARN("parameter of mav_control_rw not read: %s: %s", name.c_str(), why);
+    if (names.empty()) ROS_WARN("MPC does not know the parameter %s", name.c_str());
   }
   return setup;
 }
 
-polyfly::MultirotorParameters ControllerNode::Setup::parameters() const {
-  polyfly::MultirotorParameters all;
-  all.odometry_frame = flight.odometry_frame;
-  if (flight.pilot != polyfly::PilotRule::kWhenPresent)
-    all.use_rc_teleop = flight.pilot == polyfly::PilotRule::kRequired;
-  all.provenance = provenance;
-  all.flight = flight.flight;
-  all.node = node;
-  all.joy = flight.joy;
-  all.output = output;
-  return all;
+polyfly::PilotRule pilotRule(const std::optional<bool>& demanded) {
+  if (!demanded) return polyfly::PilotRule::kWhenPresent;
+  return *demanded ? polyfly::PilotRule::kRequired : polyfly::PilotRule::kNotRequired;
 }
+
+}  // namespace
 
 ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                                const LegacyNames& names) try
-    : ControllerNode(handle, private_handle, names, readSetup(private_handle, !names.empty())) {
+    : ControllerNode(handle, private_handle, names, readSetup(private_handle, names)) {
 } catch (const std::exception& error) {
   ROS_FATAL("MPC does not start: %s", error.what());
   throw;
 }
 
 ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                               const LegacyNames& names, const Setup& setup)
+                               const LegacyNames& names, const LawSetup& setup)
     : handle_(onQueue(handle, queue_)),
-      laws_(setup.laws),
-      watch_(setup.laws.controller.control_period,
-             setup.node.stale_periods * setup.laws.controller.control_period),
-      flight_(laws_.flight(), setup.laws.controller, setup.flight.flight, setup.flight.pilot),
+      laws_(setup),
+      watch_(laws_.laws().options().control_period,
+             setup.parameters.node.stale_periods * laws_.laws().options().control_period),
+      flight_(laws_.flight(), laws_.laws().options(), setup.parameters.flight,
+              pilotRule(setup.parameters.use_rc_teleop)),
       record_(flight_.preview().size()),
-      interface_(handle_, onQueue(private_handle, queue_), flight_, watch_.time(), setup.flight, setup.laws,
+      interface_(handle_, onQueue(private_handle, queue_), flight_, watch_.time(), setup.parameters,
                  [this](const ros::Time& now) { onManual(now); }),
       autopilot_(handle_),
-      output_(handle_, setup.output, setup.laws.controller),
-      reporter_(handle_, laws_, flight_, record_, setup.laws.controller.control_period),
-      law_selector_(handle_, laws_),
+      output_(handle_, setup.parameters.output, laws_.laws().options()),
+      reporter_(handle_, laws_, flight_, record_, laws_.laws().options().control_period),
+      law_publisher_(handle_.advertise<std_msgs::String>("active_law", 1, true)),
+      law_service_(handle_.advertiseService("select_law", &ControllerNode::onSelectLaw, this)),
       odometry_(handle_.subscribe("odometry", 1, &ControllerNode::onOdometry, this,
                                   ros::TransportHints().tcpNoDelay())),
-      config_thread_(handle, private_handle, {setup.laws, setup.parameters(), names}, laws_, record_),
-      control_thread_(
-          queue_, "mpc_control", [this] { onTick(); }, watch_.interval()) {}
+      config_thread_(handle, private_handle, setup, names, laws_, record_),
+      timer_(handle_.createSteadyTimer(ros::WallDuration(watch_.interval()),
+                                       [this](const ros::SteadyTimerEvent&) { onTick(); })) {
+  publishLaw();
+  control_thread_.start();
+}
+
+bool ControllerNode::onSelectLaw(online_controller::SelectLaw::Request& request,
+                                 online_controller::SelectLaw::Response& response) {
+  try {
+    response.success = static_cast<unsigned char>(laws_.select(polyfly::lawOfName(request.law)));
+    response.message = (response.success != 0 ? "" : request.law + " is not loaded; ") +
+                       std::string(polyfly::lawName(laws_.active())) + " flies";
+  } catch (const polyfly::Error& error) {
+    response.success = 0;
+    response.message = error.what();
+  }
+  publishLaw();
+  return true;
+}
+
+void ControllerNode::publishLaw() {
+  std_msgs::String message;
+  message.data = polyfly::lawName(laws_.active());
+  law_publisher_.publish(message);
+}
 
 void ControllerNode::onOdometry(const nav_msgs::Odometry& message) {
   StageClock clock;

@@ -1,5 +1,6 @@
 #include "online_controller_ros/conversions.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -47,73 +48,42 @@ polyfly::TrajectorySample toSample(const trajectory_msgs::MultiDOFJointTrajector
   return sample;
 }
 
-const char* words(ControlStatus status) {
-  switch (status) {
-    case ControlStatus::kOptimal:
-      return "optimal";
-    case ControlStatus::kClipped:
-      return "clipped";
-    case ControlStatus::kHoldLast:
-      return "last command repeated";
-    case ControlStatus::kLevel:
-      return "level attitude, hover thrust";
-    case ControlStatus::kNoReference:
-      return "no law flies";
-    case ControlStatus::kDescend:
-      return "level attitude, less than hover thrust";
-    case ControlStatus::kStopped:
-      return "nothing is sent";
-    case ControlStatus::kManual:
-      return "sticks";
-    case ControlStatus::kMotorsOff:
-      return "motors off";
-    case ControlStatus::kSuboptimal:
-      return "suboptimal";
-    case ControlStatus::kLeastViolation:
-      return "least violation";
-  }
-  return "";
-}
-
-const char* words(ControlReason reason) {
-  switch (reason) {
-    case ControlReason::kNone:
-      return "";
-    case ControlReason::kOutsideBox:
-      return "outside the range of its map";
-    case ControlReason::kOutsidePartition:
-      return "no region holds the parameters";
-    case ControlReason::kNotFinite:
-      return "odometry or reference is not finite or absurdly large";
-    case ControlReason::kStale:
-      return "odometry is silent or repeats itself";
-    case ControlReason::kNoReference:
-      return "nothing to track yet";
-    case ControlReason::kJump:
-      return "the odometry's position or attitude jumped";
-    case ControlReason::kOutOfOrder:
-      return "the odometry's stamp is before the last one";
-    case ControlReason::kWrongFrame:
-      return "the odometry is in another frame";
-    case ControlReason::kOnGround:
-      return "it does not fly";
-    case ControlReason::kPilot:
-      return "the remote control has the vehicle";
-    case ControlReason::kContradiction:
-      return "the odometry contradicts itself: flown by the velocity of its positions, or by the attitude of "
-             "its body rates";
-  }
-  return "";
-}
+// By ControlStatus and ControlReason.
+constexpr std::array<const char*, polyfly::kControlStatusCount> kStatusWords{
+    "optimal",
+    "clipped",
+    "last command repeated",
+    "level attitude, hover thrust",
+    "no law flies",
+    "level attitude, less than hover thrust",
+    "nothing is sent",
+    "sticks",
+    "motors off",
+    "suboptimal",
+    "least violation",
+};
+constexpr std::array<const char*, polyfly::kControlReasonCount> kReasonWords{
+    "",
+    "outside the range of its map",
+    "no region holds the parameters",
+    "odometry or reference is not finite or absurdly large",
+    "odometry is silent or repeats itself",
+    "nothing to track yet",
+    "the odometry's position or attitude jumped",
+    "the odometry's stamp is before the last one",
+    "the odometry is in another frame",
+    "it does not fly",
+    "the remote control has the vehicle",
+    "the odometry contradicts itself: flown by the velocity of its positions, or by the attitude of its body "
+    "rates",
+};
 
 void fillAxis(const polyfly::AxisReport& report, const std::vector<polyfly::Signal>& parameters,
               online_controller::AxisStatus& message) {
   using Message = online_controller::AxisStatus;
-  static_assert(static_cast<int>(LookupStatus::kInside) == Message::INSIDE &&
-                    static_cast<int>(LookupStatus::kOutsideBox) == Message::OUTSIDE_BOX &&
-                    static_cast<int>(LookupStatus::kOutsidePartition) == Message::OUTSIDE_PARTITION &&
-                    static_cast<int>(LookupStatus::kNotFinite) == Message::NOT_FINITE,
-                "the message restates the enumeration");
+  static_assert(
+      areCounted({Message::INSIDE, Message::OUTSIDE_BOX, Message::OUTSIDE_PARTITION, Message::NOT_FINITE}),
+      "the message restates LookupStatus");
   message.lookup = static_cast<std::uint8_t>(report.lookup);
   message.theta.assign(report.theta.begin(), report.theta.begin() + report.size);
   if (report.outside_parameter >= 0) {
@@ -196,29 +166,16 @@ void fillStatus(const polyfly::ControlReport& report,
                 const std::array<std::vector<polyfly::Signal>, 3>& parameters,
                 online_controller::ControllerStatus& message) {
   using Message = online_controller::ControllerStatus;
-  static_assert(static_cast<int>(ControlStatus::kOptimal) == Message::OPTIMAL &&
-                    static_cast<int>(ControlStatus::kClipped) == Message::CLIPPED &&
-                    static_cast<int>(ControlStatus::kHoldLast) == Message::HOLD_LAST &&
-                    static_cast<int>(ControlStatus::kLevel) == Message::LEVEL &&
-                    static_cast<int>(ControlStatus::kNoReference) == Message::NO_REFERENCE &&
-                    static_cast<int>(ControlStatus::kDescend) == Message::DESCEND &&
-                    static_cast<int>(ControlStatus::kStopped) == Message::STOPPED &&
-                    static_cast<int>(ControlStatus::kManual) == Message::MANUAL &&
-                    static_cast<int>(ControlStatus::kMotorsOff) == Message::MOTORS_OFF &&
-                    static_cast<int>(ControlStatus::kSuboptimal) == Message::SUBOPTIMAL &&
-                    static_cast<int>(ControlStatus::kLeastViolation) == Message::LEAST_VIOLATION &&
-                    static_cast<int>(ControlReason::kNone) == Message::REASON_NONE &&
-                    static_cast<int>(ControlReason::kOutsideBox) == Message::REASON_OUTSIDE_BOX &&
-                    static_cast<int>(ControlReason::kOutsidePartition) == Message::REASON_OUTSIDE_PARTITION &&
-                    static_cast<int>(ControlReason::kNotFinite) == Message::REASON_NOT_FINITE &&
-                    static_cast<int>(ControlReason::kStale) == Message::REASON_STALE &&
-                    static_cast<int>(ControlReason::kNoReference) == Message::REASON_NO_REFERENCE &&
-                    static_cast<int>(ControlReason::kJump) == Message::REASON_JUMP &&
-                    static_cast<int>(ControlReason::kOutOfOrder) == Message::REASON_OUT_OF_ORDER &&
-                    static_cast<int>(ControlReason::kWrongFrame) == Message::REASON_WRONG_FRAME &&
-                    static_cast<int>(ControlReason::kOnGround) == Message::REASON_ON_GROUND &&
-                    static_cast<int>(ControlReason::kPilot) == Message::REASON_PILOT,
-                "the message restates the enumerations");
+  static_assert(areCounted({Message::OPTIMAL, Message::CLIPPED, Message::HOLD_LAST, Message::LEVEL,
+                            Message::NO_REFERENCE, Message::DESCEND, Message::STOPPED, Message::MANUAL,
+                            Message::MOTORS_OFF, Message::SUBOPTIMAL, Message::LEAST_VIOLATION}),
+                "the message restates ControlStatus");
+  static_assert(
+      areCounted({Message::REASON_NONE, Message::REASON_OUTSIDE_BOX, Message::REASON_OUTSIDE_PARTITION,
+                  Message::REASON_NOT_FINITE, Message::REASON_STALE, Message::REASON_NO_REFERENCE,
+                  Message::REASON_JUMP, Message::REASON_OUT_OF_ORDER, Message::REASON_WRONG_FRAME,
+                  Message::REASON_ON_GROUND, Message::REASON_PILOT}),
+      "the message restates ControlReason up to kPilot");
   message.status = static_cast<std::uint8_t>(report.status);
   message.reason = static_cast<std::uint8_t>(report.reason);
   message.text = describe(report, &parameters);
@@ -229,6 +186,8 @@ void fillStatus(const polyfly::ControlReport& report,
   message.pitch_trim = report.trim.pitch;
   message.attitude_coupling = report.coupling;
 }
+
+const char* words(ControlStatus status) { return kStatusWords.at(static_cast<std::size_t>(status)); }
 
 bool isAsAsked(const polyfly::ControlReport& report) noexcept {
   return (report.status == ControlStatus::kOptimal && !polyfly::isOutsideMap(report) &&
@@ -249,7 +208,7 @@ std::string describe(const polyfly::ControlReport& report,
     }
     text += names + " ";
   }
-  text += words(report.reason);
+  text += kReasonWords.at(static_cast<std::size_t>(report.reason));
   return polyfly::hasRemark(report) ? text + "; " + polyfly::remarkOn(report) : text;
 }
 

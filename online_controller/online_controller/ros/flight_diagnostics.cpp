@@ -36,12 +36,12 @@ void FlightDiagnostics::summarise(diagnostic_updater::DiagnosticStatusWrapper& s
     status.summary(DiagnosticStatus::WARN, "no odometry yet");
     return;
   }
-  const polyfly::ControlReport& report = snapshot_->report;
+  const polyfly::ControlReport& report = snapshot_->answered.report;
   const bool poor = polyfly::isAnswer(report.status) || report.status == polyfly::ControlStatus::kNoReference;
   const auto level = isAsAsked(report) ? DiagnosticStatus::OK
                      : poor            ? DiagnosticStatus::WARN
                                        : DiagnosticStatus::ERROR;
-  status.summary(level, std::string(polyfly::lawName(snapshot_->law)) + ": " + describe(report));
+  status.summary(level, std::string(polyfly::lawName(snapshot_->answered.law)) + ": " + describe(report));
 }
 
 void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -57,11 +57,11 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   }
   status.add("laws exchanged", laws_.swaps());
   if (snapshot_ == nullptr) return;
-  status.add("iterations", snapshot_->report.iterations);
+  status.add("iterations", snapshot_->answered.report.iterations);
   status.add("KKT residual", snapshot_->kkt_residual);
-  status.add("age of odometry [ms]", 1e3 * snapshot_->odometry_age);
-  status.add("commands swing", snapshot_->report.swings);
-  status.add("constant force not removed [N]", snapshot_->report.force_left.norm());
+  status.add("age of odometry [ms]", 1e3 * snapshot_->answered.odometry_age);
+  status.add("commands swing", snapshot_->answered.report.swings);
+  status.add("constant force not removed [N]", snapshot_->answered.report.force_left.norm());
 }
 
 }  // namespace polyfly_ros

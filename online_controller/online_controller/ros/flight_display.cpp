@@ -32,7 +32,7 @@ void fill(const Eigen::Vector3d& from, Vector& to) {
 /// Positions as predicted, with the reference's yaw, which the yaw controller follows beside the laws.
 trajectory_msgs::MultiDOFJointTrajectory toPrediction(const FlightSnapshot& snapshot) {
   trajectory_msgs::MultiDOFJointTrajectory message;
-  message.header = snapshot.header;
+  message.header = snapshot.answered.header;
   message.joint_names.emplace_back("base_link");
   const auto count = static_cast<std::size_t>(std::min(snapshot.predicted_count, snapshot.reference_count));
   message.points.resize(count);
@@ -49,7 +49,7 @@ trajectory_msgs::MultiDOFJointTrajectory toPrediction(const FlightSnapshot& snap
 trajectory_msgs::MultiDOFJointTrajectory toMessage(const FlightSnapshot& snapshot) {
   const polyfly::Reference& reference = snapshot.reference.front();
   trajectory_msgs::MultiDOFJointTrajectory message;
-  message.header = snapshot.header;
+  message.header = snapshot.answered.header;
   message.joint_names.emplace_back("base_link");
   message.points.resize(1);
   auto& point = message.points.front();
@@ -100,22 +100,22 @@ bool FlightDisplay::isWatched() const {
 }
 
 void FlightDisplay::show(const FlightSnapshot& snapshot) {
-  if (snapshot.reference_count == 0 || snapshot.header.frame_id.empty()) return;
+  if (snapshot.reference_count == 0 || snapshot.answered.header.frame_id.empty()) return;
   tf2_msgs::TFMessage frames;
   frames.transforms.resize(1);
-  frames.transforms.front().header = snapshot.header;
+  frames.transforms.front().header = snapshot.answered.header;
   frames.transforms.front().child_frame_id = frame_;
   frames.transforms.front().transform = toTransform(snapshot.reference.front());
   tf_publisher_.publish(frames);
   if (reference_publisher_.getNumSubscribers() > 0) reference_publisher_.publish(toMessage(snapshot));
   if (snapshot.reference_count > 1 && reference_marker_publisher_.getNumSubscribers() > 0) {
-    visualization_msgs::Marker marker = line(snapshot.header, "reference", 0.0F, 1.0F);
+    visualization_msgs::Marker marker = line(snapshot.answered.header, "reference", 0.0F, 1.0F);
     for (int k = 0; k < snapshot.reference_count; ++k)
       addPoint(snapshot.reference[static_cast<std::size_t>(k)].position, marker);
     reference_marker_publisher_.publish(marker);
   }
   if (snapshot.predicted_count > 1 && predicted_marker_publisher_.getNumSubscribers() > 0) {
-    visualization_msgs::Marker marker = line(snapshot.header, "prediction", 1.0F, 0.0F);
+    visualization_msgs::Marker marker = line(snapshot.answered.header, "prediction", 1.0F, 0.0F);
     for (int k = 0; k < snapshot.predicted_count; ++k)
       addPoint(snapshot.predicted[static_cast<std::size_t>(k)], marker);
     predicted_marker_publisher_.publish(marker);

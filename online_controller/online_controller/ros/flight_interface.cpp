@@ -72,7 +72,7 @@ std::string oddTime(const polyfly::ReferenceTrajectory& trajectory, double start
 
 }  // namespace
 
-polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const JoyLayout& layout) {
+polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const polyfly::JoyLayout& layout) {
   using Mode = polyfly::RemoteControl::Mode;
   polyfly::RemoteControl sticks;
   const auto button = static_cast<std::size_t>(layout.button_on);
@@ -92,26 +92,14 @@ polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const Jo
   return sticks;
 }
 
-FlightSetup FlightSetup::read(ParameterReader& reader) {
-  FlightSetup setup;
-  visitFlightOptions(setup.flight, reader);
-  visitJoyLayout(setup.joy, reader);
-  setup.odometry_frame = reader.text("odometry_frame", "a frame", "");
-  bool demanded = true;
-  if (reader.flag("use_rc_teleop", demanded)) {
-    setup.pilot = demanded ? polyfly::PilotRule::kRequired : polyfly::PilotRule::kNotRequired;
-  }
-  return setup;
-}
-
 FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle,
                                  polyfly::FlightSupervisor& flight, const polyfly::TimeSource& time,
-                                 const FlightSetup& setup, const LawSetup& laws, OnManual on_manual)
+                                 const polyfly::MultirotorParameters& parameters, OnManual on_manual)
     : flight_(flight),
       time_(time),
-      joy_(setup.joy),
-      observer_(laws.nonlinear.model, laws.controller, laws.moments),
-      frame_(setup.odometry_frame),
+      joy_(parameters.joy),
+      observer_(parameters.nonlinear.model, parameters.controller, parameters.moments),
+      frame_(parameters.odometry_frame),
       on_manual_(std::move(on_manual)),
       name_publisher_(handle.advertise<std_msgs::String>("state_machine/state_info", 1, true)),
       status_publisher_(handle.advertise<online_controller::FlightStatus>("flight_status", 1, true)) {
@@ -123,14 +111,24 @@ FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle privat
       handle.subscribe("command/trajectory", 1, &FlightInterface::onTrajectory, this, hints);
   pose_subscriber_ = handle.subscribe("command/pose", 1, &FlightInterface::onPose, this, hints);
   joy_subscriber_ = handle.subscribe("rc", 1, &FlightInterface::onJoy, this, hints);
-  takeoff_service_ = handle.advertiseService("takeoff", &FlightInterface::onTakeOff, this);
-  hold_service_ = handle.advertiseService("back_to_position_hold", &FlightInterface::onHold, this);
-  land_service_ = handle.advertiseService("land", &FlightInterface::onLand, this);
-  integrator_service_ =
-      handle.advertiseService("reset_integrator", &FlightInterface::onResetIntegrator, this);
-  observer_service_ = handle.advertiseService("reset_observer", &FlightInterface::onResetObserver, this);
-  calibration_service_ =
-      observer_handle.advertiseService("StartCalibrateKF", &FlightInterface::onCalibrate, this);
+  serve(handle, "takeoff", "take off", [this] { return flight_.takeOff(); });
+  serve(handle, "back_to_position_hold", "hold its position", [this] { return flight_.holdPosition(); });
+  serve(handle, "reset_integrator", "reset the integrator", [this]() -> const char* {
+    flight_.resetIntegrator();
+    return nullptr;
+  });
+  serve(handle, "reset_observer", "reset the observer", [this] { return resetObserver(); });
+  serve(observer_handle, "StartCalibrateKF", "calibrate the observer", [this] { return calibrate(); });
+  services_.push_back(handle.advertiseService("land", &FlightInterface::onLand, this));
+}
+
+void FlightInterface::serve(ros::NodeHandle& handle, const char* name, const char* what,
+                            std::function<const char*()> request) {
+  using Callback = boost::function<bool(std_srvs::Empty::Request&, std_srvs::Empty::Response&)>;
+  services_.push_back(
+      handle.advertiseService(name, Callback([this, what, request = std::move(request)](auto&, auto&) {
+                                return answer(what, request());
+                              })));
 }
 
 bool FlightInterface::frameFits(const std::string& frame) {
@@ -151,16 +149,10 @@ void FlightInterface::publishChange() {
 
 void FlightInterface::publish() {
   using Message = online_controller::FlightStatus;
-  static_assert(static_cast<int>(polyfly::FlightState::kInactive) == Message::INACTIVE &&
-                    static_cast<int>(polyfly::FlightState::kTakeOff) == Message::TAKE_OFF &&
-                    static_cast<int>(polyfly::FlightState::kPositionHold) == Message::POSITION_HOLD &&
-                    static_cast<int>(polyfly::FlightState::kTrajectory) == Message::TRAJECTORY &&
-                    static_cast<int>(polyfly::FlightState::kRemoteControl) == Message::REMOTE_CONTROL &&
-                    static_cast<int>(polyfly::FlightState::kTeleoperation) == Message::TELEOPERATION &&
-                    static_cast<int>(polyfly::FlightState::kLanding) == Message::LANDING &&
-                    static_cast<int>(polyfly::FlightState::kLanded) == Message::LANDED &&
-                    static_cast<int>(polyfly::FlightState::kFailsafe) == Message::FAILSAFE,
-                "the message restates the enumeration");
+  static_assert(areCounted({Message::INACTIVE, Message::TAKE_OFF, Message::POSITION_HOLD, Message::TRAJECTORY,
+                            Message::REMOTE_CONTROL, Message::TELEOPERATION, Message::LANDING,
+                            Message::LANDED, Message::FAILSAFE}),
+                "the message restates FlightState");
   std_msgs::String name;
   name.data = polyfly::flightStateName(flight_.state());
   name_publisher_.publish(name);
@@ -242,29 +234,16 @@ bool FlightInterface::answer(const char* request, const char* refusal) {
   return refusal == nullptr;
 }
 
-bool FlightInterface::onTakeOff(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-  return answer("take off", flight_.takeOff());
-}
-
-bool FlightInterface::onHold(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-  return answer("hold its position", flight_.holdPosition());
-}
-
-bool FlightInterface::onResetIntegrator(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-  flight_.resetIntegrator();
-  return true;
-}
-
-bool FlightInterface::onResetObserver(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+const char* FlightInterface::resetObserver() {
   flight_.resetObserver();
   observer_.reset();
-  return true;
+  return nullptr;
 }
 
-bool FlightInterface::onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+const char* FlightInterface::calibrate() {
   const char* refusal = flight_.hoverRefusal();
   if (refusal == nullptr) observer_.calibrate();
-  return answer("calibrate the observer", refusal);
+  return refusal;
 }
 
 void FlightInterface::observe(const Answered& answered) {

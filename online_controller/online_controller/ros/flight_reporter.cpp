@@ -11,7 +11,7 @@
 
 #include "online_controller/types/remark.hpp"
 #include "online_controller_ros/conversions.hpp"
-#include "online_controller_ros/stage_clock.hpp"
+#include "online_controller_ros/flight_record.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly_ros {
@@ -96,11 +96,7 @@ void FlightReporter::publishModel(const Answered& answered) {
 void FlightReporter::leaveSnapshot(const Answered& answered) {
   if (!record_.wanted.load(std::memory_order_acquire)) return;
   FlightSnapshot& snapshot = record_.snapshot;
-  snapshot.header = answered.header;
-  snapshot.law = answered.law;
-  snapshot.report = answered.report;
-  snapshot.odometry_age = answered.odometry_age;
-  snapshot.times = answered.times;
+  snapshot.answered = answered;
   snapshot.stage_period = laws_.flight().previewPeriod();
   const bool tracks = polyfly::isAnswer(answered.report.status) ||
                       answered.report.status == polyfly::ControlStatus::kHoldLast;

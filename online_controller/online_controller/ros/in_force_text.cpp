@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "mpc_core/calibration_provenance.hpp"
-#include "online_controller_ros/law_sources.hpp"
 #include "polyfly_base/provenance.hpp"
 
 namespace polyfly_ros {
@@ -43,17 +42,9 @@ void writeMaps(const char* name, const polyfly::MapSet& set, polyfly::OptionsTex
 
 }  // namespace
 
-void writeInForce(const polyfly::MultirotorParameters& start, const LawSetup& setup, polyfly::Law law,
-                  polyfly::OptionsText& text) {
-  polyfly::MultirotorParameters now = start;
+void writeInForce(const LawSetup& setup, polyfly::Law law, polyfly::OptionsText& text) {
+  polyfly::MultirotorParameters now = setup.parameters;
   now.law = polyfly::lawName(law);
-  now.maps = setup.files.maps;
-  now.law_options = setup.law_options;
-  now.problems = setup.files.problems;
-  now.controller = setup.controller;
-  now.nonlinear = setup.nonlinear;
-  now.linear = setup.linear;
-  now.moments = setup.moments;
   const std::string space = polyfly::kInForceGroup;
   text.text(space + "/law", now.law);
   const std::vector<polyfly::LawType>& types = polyfly::lawTypes();

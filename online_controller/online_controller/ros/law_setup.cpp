@@ -1,39 +1,37 @@
 #include "online_controller_ros/law_setup.hpp"
 
 #include <algorithm>
-#include <utility>
 
-#include "online_controller_ros/law_sources.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
 
 namespace polyfly_ros {
 namespace {
 
 constexpr std::array<const char*, 3> kAxes{"longitudinal", "lateral", "vertical"};
+// Sampling time of linear problems that are made from the model [s].
+constexpr double kSamplingTime = 0.1;
+constexpr int kHorizon = 20;
 
-/// All three paths below `space`, or none. `required`: none will not do.
-std::array<std::string, 3> readPaths(ParameterReader& reader, const std::string& space,
-                                     const std::string& what, bool required) {
-  std::array<std::string, 3> paths;
-  for (std::size_t i = 0; i < 3; ++i) paths[i] = reader.text(space + "/" + kAxes[i], what, "");
+/// Throws Error naming the parameter that is missing: below `group` stand three paths, or none where that is not `required`.
+void requireAxes(ParameterReader& reader, const std::string& group, const char* what,
+                 const polyfly::AxisPaths& paths, bool required) {
   const bool any =
       std::any_of(paths.begin(), paths.end(), [](const std::string& path) { return !path.empty(); });
-  for (std::size_t i = 0; i < 3; ++i) {
-    if ((required || any) && paths[i].empty()) reader.requiredText(space + "/" + kAxes[i], what);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if ((required || any) && paths[i].empty()) reader.requiredText(group + "/" + kAxes[i], what);
   }
-  return paths;
 }
 
-/// Of the laws that have maps; the one that flies first needs them.
-polyfly::MapPaths readMapPaths(ParameterReader& reader, polyfly::Law first) {
+void requireFiles(ParameterReader& reader, const LawSetup& setup) {
   const std::vector<polyfly::LawType>& types = polyfly::lawTypes();
-  polyfly::MapPaths paths(types.size());
   for (std::size_t i = 0; i < types.size(); ++i) {
     if (types[i].maps == nullptr) continue;
     const char* what =
         types[i].robust_maps ? "the path of a map of a minimum-peak robust MPC" : "the path of a region map";
-    paths[i] = readPaths(reader, types[i].maps, what, static_cast<std::size_t>(first) == i);
+    requireAxes(reader, types[i].maps, what, setup.parameters.maps[i],
+                static_cast<std::size_t>(setup.law()) == i);
   }
-  return paths;
+  requireAxes(reader, "problems", "the path of a problem file", setup.parameters.problems, false);
 }
 
 std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::vector<polyfly::RegionMap>& maps) {
@@ -52,39 +50,50 @@ std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::array<polyfl
 
 }  // namespace
 
+const polyfly::MapSet& LawSources::explicitMaps() const {
+  return mapsOf(polyfly::lawOfName("explicit_linear"));
+}
+
+std::shared_ptr<const LawSources> LawSources::load(const polyfly::MultirotorParameters& parameters) {
+  auto sources = std::make_shared<LawSources>();
+  sources->maps = polyfly::openMaps(polyfly::lawTypes(), parameters.maps, parameters.controller);
+  sources->problems = polyfly::linearProblems(parameters.nonlinear.model, kSamplingTime, kHorizon);
+  const polyfly::MapSet& mapped = sources->explicitMaps();
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    if (!parameters.problems[i].empty()) {
+      sources->problems[i] = polyfly::loadProblem(parameters.problems[i]);
+    } else if (!mapped.empty() && !mapped.problems[i].minimum_peak) {
+      sources->problems[i] = mapped.problems[i];
+    }
+  }
+  return sources;
+}
+
 LawSetup LawSetup::read(ParameterReader& reader) {
   LawSetup setup;
-  setup.law = polyfly::lawOfName(reader.text("law", "the name of a law", "explicit_linear"));
-  setup.files.maps = readMapPaths(reader, setup.law);
-  setup.files.problems = readPaths(reader, "problems", "the path of a problem file", false);
-  polyfly::visitOptions(setup.controller, reader);
-  polyfly::visitNonlinearOptions(setup.nonlinear, reader);
-  polyfly::visitMomentModel(setup.moments, reader);
-  polyfly::visitLawOptions(polyfly::lawTypes(), setup.law_options, reader);
-  polyfly::checkOptions(setup.controller);
-  setup.nonlinear.model.gravity = setup.controller.gravity;
-  setup.sources = LawSources::load(setup.files, setup.nonlinear.model, setup.controller);
-  setup.linear = polyfly::linearTuning(setup.sources->problems);
-  polyfly::visitLinearTuning(setup.linear, reader);
+  polyfly::MultirotorParameters& parameters = setup.parameters;
+  polyfly::visitMultirotorParameters(parameters, reader);
+  requireFiles(reader, setup);
+  polyfly::checkTogether(parameters);
+  parameters.nonlinear.model.gravity = parameters.controller.gravity;
+  setup.sources = LawSources::load(parameters);
+  parameters.linear = polyfly::linearTuning(setup.sources->problems);
+  polyfly::visitLinearTuning(parameters.linear, reader);
   return setup;
 }
 
 Laws::Laws(const LawSetup& setup)
     : sources_(setup.sources),
-      options_(setup.controller),
-      observer_(setup.nonlinear.model, setup.controller, setup.moments) {
-  const std::array<polyfly::MpcProblem, 3> problems = polyfly::tuned(sources_->problems, setup.linear);
+      options_(setup.parameters.controller),
+      observer_(setup.parameters.nonlinear.model, options_, setup.parameters.moments) {
+  const std::array<polyfly::MpcProblem, 3> problems =
+      polyfly::tuned(sources_->problems, setup.parameters.linear);
   const polyfly::MapSet& mapped = sources_->explicitMaps();
   const auto of_linear = mapped.empty() ? parametersOf(problems) : parametersOf(mapped.maps);
   for (const polyfly::MapSet& set : sources_->maps)
     parameters_.push_back(set.empty() ? of_linear : parametersOf(set.maps));
-  switch_ = polyfly::makeLaws(
-      polyfly::lawTypes(), {setup.controller, setup.nonlinear, problems, &sources_->maps, setup.law_options},
-      setup.law);
-}
-
-const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {
-  return sources_->mapsOf(law).maps;
+  switch_ = polyfly::makeLaws(polyfly::lawTypes(),
+                              {options_, setup.parameters.nonlinear, problems, &sources_->maps}, setup.law());
 }
 
 }  // namespace polyfly_ros

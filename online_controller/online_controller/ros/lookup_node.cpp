@@ -25,10 +25,9 @@ constexpr double kWarningPeriod = 1.0;  // [s]
 constexpr double kForever = 2e9;        // later than any flight, by the steady clock [s]
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-static_assert(static_cast<int>(LookupStatus::kOutsideBox) == Status::OUTSIDE_BOX &&
-                  static_cast<int>(LookupStatus::kOutsidePartition) == Status::OUTSIDE_PARTITION &&
-                  static_cast<int>(LookupStatus::kNotFinite) == Status::NOT_FINITE,
-              "the message restates the enumeration");
+static_assert(areCounted({Status::INSIDE, Status::OUTSIDE_BOX, Status::OUTSIDE_PARTITION,
+                          Status::NOT_FINITE}),
+              "the message restates LookupStatus");
 
 // By Status::status and Status::sent.
 constexpr const char* kWords[] = {"answered by the map", "a parameter is out of the map's range",
@@ -70,7 +69,7 @@ std::unique_ptr<RegionMap> openComplete(const std::string& path) {
 }  // namespace
 
 LookupNode::LookupNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
-    : queue_(handle), topics_(onQueue(handle, queue_)), config_thread_(config_queue_, "lookup_config") {
+    : queue_(handle), topics_(onQueue(handle, queue_)) {
   ParameterReader reader(private_handle);
   map_ = openComplete(reader.requiredText("map", "the path of a region map"));
   staged_ = map_.get();
@@ -161,6 +160,7 @@ void LookupNode::connect(const ros::NodeHandle& handle) {
   own_status_ = config.subscribe<Status>(
       "lookup_status", 1, [this](const Status::ConstPtr& status) { seen_ = status->parameters; });
   swap_service_ = config.advertiseService("swap_map", &LookupNode::onSwap, this);
+  config_thread_.start();
 }
 
 // An array of another size has no numbers.

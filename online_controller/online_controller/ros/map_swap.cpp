@@ -5,7 +5,6 @@
 #include <limits>
 #include <sstream>
 
-#include "online_controller_ros/law_sources.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -102,12 +101,12 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
   const std::array<std::string, 3> wanted{request.longitudinal, request.lateral, request.vertical};
   const bool feeds_linear = law == polyfly::lawOfName("explicit_linear");
   LawSetup next = setup;
-  std::array<std::string, 3>& paths = next.files.maps.at(static_cast<std::size_t>(law));
+  std::array<std::string, 3>& paths = next.parameters.maps.at(static_cast<std::size_t>(law));
   for (std::size_t i = 0; i < 3; ++i) {
     if (!wanted[i].empty()) paths[i] = wanted[i];
   }
   // With the checks of the start.
-  next.sources = LawSources::load(next.files, next.nonlinear.model, next.controller);
+  next.sources = LawSources::load(next.parameters);
   for (std::size_t i = 0; i < 3; ++i) {
     const RegionMap& now = maps_of(setup).maps[i];
     const RegionMap& map = maps_of(next).maps[i];
@@ -118,17 +117,18 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
     if (!robust) requireRest(map);
     // The law linear has the parameters of explicit_linear.
     const bool comparable =
-        last != nullptr && (last->law == law || (feeds_linear && last->law == polyfly::lawOfName("linear")));
+        last != nullptr &&
+        (last->answered.law == law || (feeds_linear && last->answered.law == polyfly::lawOfName("linear")));
     std::vector<double> theta;
     if (comparable) {
-      const polyfly::AxisReport& axis = last->report.axis[i];
+      const polyfly::AxisReport& axis = last->answered.report.axis[i];
       theta.assign(axis.theta.begin(), axis.theta.begin() + axis.size);
     }
     change[i] = requireSimilar(now, map, theta, request.most_change);
   }
   // The linear law solves the problems in the maps, unless files give it its own.
-  if (setup.files.problems[0].empty() && feeds_linear)
-    next.linear = polyfly::linearTuning(next.sources->problems);
+  if (setup.parameters.problems[0].empty() && feeds_linear)
+    next.parameters.linear = polyfly::linearTuning(next.sources->problems);
   return next;
 }
 

@@ -365,77 +365,9 @@ TEST_F(NonlinearMpcTest, SpeedLimitHoldsWhereItCanAndIsRelaxedWhereNot) {
   EXPECT_LT(mpc.state(12)(3), 1.0 + 1e-6);
 }
 
-/// Whoever asks for a place beyond the limits stops at them; whoever begins beyond them comes back.
-TEST_F(NonlinearMpcTest, LimitsOfPositionHeightAndTiltHoldWhereTheyCan) {
-  NonlinearMpcOptions options;
-  options.position_max = 2.0;
-  options.height_min = -0.5;
-  options.height_max = 1.5;
-  options.tilt_max = 0.15;
-  struct Case {
-    Eigen::Vector3d goal;
-    int state;
-    double limit;
-  };
-  const Case cases[] = {{{5.0, 0.0, 0.0}, 0, 2.0},
-                        {{0.0, -5.0, 0.0}, 1, -2.0},
-                        {{0.0, 0.0, 4.0}, 2, 1.5},
-                        {{0.0, 0.0, -4.0}, 2, -0.5}};
-  for (const Case& wished : cases) {
-    restAt(options, wished.goal);
-    NonlinearMpc mpc(options);
-    MultirotorState x = MultirotorState::Zero();
-    mpc.start(x, {0.0, 0.0, 9.8}, stages_.data());
-    for (int step = 0; step < 200; ++step) {
-      ASSERT_TRUE(mpc.prepare(stages_.data()));
-      ASSERT_EQ(mpc.feedback(x, references_.data()), QpStatus::kOptimal);
-      for (int k = 1; k <= 20; ++k) {
-        EXPECT_LT(mpc.state(k).head<2>().cwiseAbs().maxCoeff(), 2.0 + 1e-3);
-        EXPECT_LT(mpc.state(k).tail<2>().cwiseAbs().maxCoeff(), 0.15 + 1e-3);
-      }
-      x = integrateFinely(options.model, options.period, StageConditions(), x, mpc.input(0));
-      mpc.shift(1.0);
-    }
-    EXPECT_NEAR(x(wished.state), wished.limit, 1e-3);
-  }
-}
-
-TEST_F(NonlinearMpcTest, StatesBeyondTheirLimitsComeBack) {
-  NonlinearMpcOptions options;
-  options.height_min = 1.0;
-  options.height_max = 3.0;
-  restAt(options, Eigen::Vector3d::Zero());
-  NonlinearMpc mpc(options);
-  MultirotorState x = MultirotorState::Zero();
-  mpc.start(x, {0.0, 0.0, 9.8}, stages_.data());
-  for (int step = 0; step < 100; ++step) {
-    ASSERT_TRUE(mpc.prepare(stages_.data()));
-    ASSERT_EQ(mpc.feedback(x, references_.data()), QpStatus::kOptimal);
-    if (step == 0) {
-      EXPECT_GT(mpc.stateViolation(), 0.5);
-    }
-    x = integrateFinely(options.model, options.period, StageConditions(), x, mpc.input(0));
-    mpc.shift(1.0);
-  }
-  EXPECT_NEAR(x(2), 1.0, 1e-3);
-}
-
-TEST_F(NonlinearMpcTest, LimitsThatContradictAreRefused) {
-  NonlinearMpcOptions options;
-  options.height_min = 2.0;
-  options.height_max = 1.0;
-  EXPECT_THROW(NonlinearMpc{options}, Error);
-  options = {};
-  options.tilt_max = 1.5;
-  EXPECT_THROW(NonlinearMpc{options}, Error);
-}
-
 TEST_F(NonlinearMpcTest, NeverAllocates) {
   NonlinearMpcOptions options;
   options.speed_max = 2.0;
-  options.position_max = 3.0;
-  options.height_max = 4.0;
-  options.tilt_max = 0.3;
   randomProblem(options);
   NonlinearMpc mpc(options);
   const MultirotorState x = randomState();

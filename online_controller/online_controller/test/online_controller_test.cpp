@@ -324,7 +324,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 43);
+  EXPECT_EQ(count, 37);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

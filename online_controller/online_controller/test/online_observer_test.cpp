@@ -347,7 +347,7 @@ TEST(VehicleObserver, NoisesOfAnotherOneTakeEffectAndNothingIsForgotten) {
   fly(vehicle, observer, 1000);
   // The numbers of mav_control_rw.
   polyfly::MultirotorOptions options;
-  options.noise = {0.01, 0.025, 0.015, 0.02, 0.1, 0.001, 0.0012, 0.01, 0.0025};
+  options.noise = {0.01, 0.025, 0.015, 0.02, 0.1, 0.001, 0.0012, 0.01};
   options.disturbance_drift = std::sqrt(0.1);
   VehicleObserver quick({}, options, {});
   quick.transferState(observer);

@@ -206,7 +206,6 @@ TEST(SolverFailure, OfTheNonlinearLawHoldsLevelsAndEndsWithTheNextAnswer) {
   NonlinearMpcOptions mpc;
   mpc.working_sets_max = 1;
   mpc.speed_max = 1.0;
-  mpc.speed_penalty = 1e9;
   MultirotorOptions vehicle;
   LawSwitch law(std::make_unique<NonlinearController>(vehicle, mpc), MultirotorOptions{});
   vehicle.jump_distance = 0.0;

@@ -15,9 +15,12 @@ class Guarded : public ros::CallbackInterface {
   explicit Guarded(const ros::CallbackInterfacePtr& callback) : callback_(callback) {}
 
   CallResult call() override {
-    CallResult result = Invalid;
-    runGuarded([&] { result = callback_->call(); });
-    return result;
+    try {
+      return callback_->call();
+    } catch (const std::exception& error) {
+      ROS_ERROR_THROTTLE(kInterval, "a message or a request was dropped: %s", error.what());
+      return Invalid;
+    }
   }
   bool ready() override { return callback_->ready(); }
 
@@ -26,12 +29,6 @@ class Guarded : public ros::CallbackInterface {
 };
 
 }  // namespace
-
-void runGuarded(const std::function<void()>& work) noexcept try {
-  work();
-} catch (const std::exception& error) {
-  ROS_ERROR_THROTTLE(kInterval, "a message or a request was dropped: %s", error.what());
-}
 
 ros::CallbackInterfacePtr guarded(const ros::CallbackInterfacePtr& callback) {
   return boost::make_shared<Guarded>(callback);

@@ -30,7 +30,7 @@ const OptionTable::Option* OptionTable::find(const std::string& name) const {
 
 void OptionTable::alias(const LegacyName& name) {
   const Option* option = find(name.ours);
-  if (option == nullptr) return;
+  if (option == nullptr || name.element >= 0) return;
   const auto known = std::find_if(aliases_.begin(), aliases_.end(),
                                   [&](const Alias& entry) { return entry.name == name.theirs; });
   Alias& alias = known == aliases_.end() ? aliases_.emplace_back(Alias{name.theirs, {}}) : *known;

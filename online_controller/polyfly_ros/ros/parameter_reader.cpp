@@ -3,96 +3,119 @@
 #include <ros/param.h>
 
 #include <algorithm>
-#include <sstream>
+#include <limits>
+#include <utility>
 
-#include "polyfly_base/closest_name.hpp"
-#include "polyfly_base/error.hpp"
+#include "polyfly_base/options_text.hpp"
+#include "polyfly_base/range_check.hpp"
 
 namespace polyfly_ros {
 namespace {
 
-[[noreturn]] void refuseValue(const std::string& name, const std::string& rule) {
-  throw polyfly::Error("parameter " + name + ": " + rule);
+// diagnostic_updater has parameters of its own there.
+constexpr const char* kDiagnostics = "diagnostic_";
+// A tag by which a text is never taken for a number.
+constexpr const char* kText = "!";
+
+YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
+  YAML::Node node;
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeStruct:
+      node = YAML::Node(YAML::NodeType::Map);
+      for (auto& [name, member] : value) node[name] = toYaml(member);
+      break;
+    case XmlRpc::XmlRpcValue::TypeArray:
+      node = YAML::Node(YAML::NodeType::Sequence);
+      for (int i = 0; i < value.size(); ++i) node.push_back(toYaml(value[i]));
+      break;
+    case XmlRpc::XmlRpcValue::TypeInt:
+      node = std::to_string(static_cast<int>(value));
+      break;
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      node = polyfly::exactNumber(static_cast<double>(value));
+      break;
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      node = static_cast<bool>(value) ? "true" : "false";
+      break;
+    case XmlRpc::XmlRpcValue::TypeString:
+      node = static_cast<std::string&>(value);
+      node.SetTag(kText);
+      break;
+    case XmlRpc::XmlRpcValue::TypeInvalid:
+    case XmlRpc::XmlRpcValue::TypeDateTime:
+    case XmlRpc::XmlRpcValue::TypeBase64:
+      break;
+  }
+  return node;
 }
 
-template <class Value>
-void requireRange(const std::string& name, Value value, const char* unit, const polyfly::Range& range) {
-  // Written so that NaN fails.
-  if (value >= range.least && value <= range.greatest) return;
-  std::ostringstream rule;
-  rule << "must lie in [" << range.least << ", " << range.greatest << "] " << unit << ", got " << value;
-  refuseValue(name, rule.str());
+YAML::Node parametersOf(const ros::NodeHandle& handle) {
+  XmlRpc::XmlRpcValue tree;
+  const bool any = ros::param::get(handle.getNamespace(), tree);
+  return any && tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toYaml(tree)
+                                                                  : YAML::Node(YAML::NodeType::Map);
 }
 
-std::vector<std::string> allNames() {
-  std::vector<std::string> names;
-  if (!ros::param::getParamNames(names))
-    throw polyfly::Error("the parameter server does not list its parameters");
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-bool startsWith(const std::string& name, const std::string& prefix) {
-  return name.compare(0, prefix.size(), prefix) == 0;
+// The keys below a node that holds no group.
+void addKeys(const YAML::Node& node, const std::string& prefix, std::vector<std::string>& keys) {
+  for (const auto& entry : node) {
+    const std::string key = prefix + entry.first.Scalar();
+    if (entry.second.IsMap()) {
+      addKeys(entry.second, key + "/", keys);
+    } else {
+      keys.push_back(key);
+    }
+  }
 }
 
 }  // namespace
 
-bool ParameterReader::given(const std::string& key) {
-  read_.insert(handle_.resolveName(key));
-  return handle_.hasParam(key);
+ParameterReader::ParameterReader(const ros::NodeHandle& private_handle, LegacyNames names)
+    : OptionsFromYaml(parametersOf(private_handle), "parameter " + private_handle.getNamespace()),
+      names_(std::move(names)) {}
+
+template <class Read>
+void ParameterReader::adopt(const std::string& ours, const Read& read) {
+  if (given(ours)) return;
+  for (const LegacyName& name : names_) {
+    if (name.ours != ours || !given(name.theirs)) continue;
+    read(name);
+    const std::string text = name.theirs + " -> " + ours;
+    if (adopted_.find(text) == std::string::npos) adopted_ += (adopted_.empty() ? "" : ", ") + text;
+  }
 }
 
-void ParameterReader::operator()(const char* key, double& field, const char* unit,
+void ParameterReader::operator()(const std::string& key, double& field, const char* unit,
                                  const polyfly::Range& range) {
-  if (given(key) && !handle_.getParam(key, field)) refuseValue(handle_.resolveName(key), "must be a number");
-  requireRange(handle_.resolveName(key), field, unit, range);
+  constexpr double kMost = std::numeric_limits<double>::max();
+  OptionsFromYaml::operator()(key, field, unit, range);
+  bool found = false;
+  adopt(key, [&](const LegacyName& name) {
+    std::vector<double> theirs(1);
+    if (name.element < 0) {
+      OptionsFromYaml::operator()(name.theirs, theirs.front(), unit, polyfly::Range{-kMost, kMost});
+    } else {
+      OptionsFromYaml::operator()(name.theirs, theirs);
+    }
+    const auto element = static_cast<std::size_t>(std::max(name.element, 0));
+    if (element >= theirs.size()) fail(find(name.theirs), name.theirs, "must be a list of three numbers");
+    const double value = name.toOurs(theirs[element]);
+    field = found ? std::max(field, value) : value;
+    found = true;
+    polyfly::RangeCheck{}((name.theirs + ", " + key).c_str(), field, unit, range);
+  });
 }
 
-void ParameterReader::operator()(const char* key, int& field, const char* unit, const polyfly::Range& range) {
-  if (given(key)) {
-    // roscpp would round 2.5 to an integer silently.
-    XmlRpc::XmlRpcValue value;
-    handle_.getParam(key, value);
-    if (value.getType() != XmlRpc::XmlRpcValue::TypeInt)
-      refuseValue(handle_.resolveName(key), "must be a whole number");
-    field = static_cast<int>(value);
-  }
-  requireRange(handle_.resolveName(key), field, unit, range);
-}
-
-void ParameterReader::operator()(const char* key, bool& field) {
-  if (given(key) && !handle_.getParam(key, field))
-    refuseValue(handle_.resolveName(key), "must be true or false");
-}
-
-void ParameterReader::operator()(const char* key, std::vector<double>& field) {
-  if (given(key) && !handle_.getParam(key, field))
-    refuseValue(handle_.resolveName(key), "must be a list of numbers");
-}
-
-void ParameterReader::operator()(const char* key, std::string& field) {
-  if (given(key)) field = requiredText(key, "a text that is not empty");
-}
-
-void ParameterReader::passOver(const std::string& group) {
-  const std::string prefix = handle_.resolveName(group) + "/";
-  for (const std::string& name : allNames()) {
-    if (startsWith(name, prefix)) read_.insert(name);
-  }
-}
-
-bool ParameterReader::flag(const std::string& key, bool& value) {
-  const bool is_set = handle_.hasParam(key);
-  (*this)(key.c_str(), value);
-  return is_set;
+void ParameterReader::operator()(const std::string& key, bool& field) {
+  OptionsFromYaml::operator()(key, field);
+  adopt(key, [&](const LegacyName& name) { OptionsFromYaml::operator()(name.theirs, field); });
 }
 
 std::string ParameterReader::requiredText(const std::string& key, const std::string& what) {
-  std::string text;
-  if (!given(key)) refuseValue(handle_.resolveName(key), "missing, must be " + what);
-  if (!handle_.getParam(key, text) || text.empty()) refuseValue(handle_.resolveName(key), "must be " + what);
-  return text;
+  const YAML::Node node = find(key);
+  if (!node.IsDefined()) fail(root(), key, "missing, must be " + what);
+  if (node.Tag() != kText || node.Scalar().empty()) fail(node, key, "must be " + what);
+  return node.Scalar();
 }
 
 std::string ParameterReader::text(const std::string& key, const std::string& what,
@@ -100,67 +123,20 @@ std::string ParameterReader::text(const std::string& key, const std::string& wha
   return given(key) ? requiredText(key, what) : fallback;
 }
 
-void ParameterReader::refuseRemoved(const std::vector<RemovedParameter>& removed) {
-  for (const RemovedParameter& parameter : removed) {
-    if (given(parameter.name))
-      throw polyfly::Error(std::string("parameter ") + parameter.name + " is removed: " + parameter.instead);
-  }
-}
-
-void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
-  const std::vector<std::string> names = allNames();
-  refuseMisspeltGroups(names, namespaces);
-  refuseValuesOfGroups(names, namespaces);
-  for (const std::string& space : namespaces) {
-    const std::string prefix = handle_.resolveName(space) + "/";
-    for (const std::string& name : names) {
-      if (startsWith(name, prefix) && read_.count(name) == 0) refuseValue(name, "unknown");
-    }
-  }
-}
-
-void ParameterReader::refuseValuesOfGroups(const std::vector<std::string>& names,
-                                           const std::vector<std::string>& namespaces) const {
-  std::set<std::string> groups;
-  for (const std::string& space : namespaces) groups.insert(handle_.resolveName(space));
-  for (const std::string& name : read_) {
-    for (std::size_t end = name.rfind('/'); end != 0 && end != std::string::npos;
-         end = name.rfind('/', end - 1))
-      groups.insert(name.substr(0, end));
-  }
-  for (const std::string& name : names) {
-    if (groups.count(name) != 0) refuseValue(name, "must be a group of parameters, not a value");
-  }
-}
-
-void ParameterReader::refuseMisspeltGroups(const std::vector<std::string>& names,
-                                           std::vector<std::string> groups) const {
-  const std::string own = handle_.getNamespace() + "/";
-  // What comes before the first slash below the private namespace; empty without one.
-  const auto groupOf = [&](const std::string& name) {
-    const std::size_t slash = startsWith(name, own) ? name.find('/', own.size()) : std::string::npos;
-    return slash == std::string::npos ? std::string() : name.substr(own.size(), slash - own.size());
-  };
-  for (const std::string& name : read_) {
-    if (!groupOf(name).empty()) groups.push_back(groupOf(name));
-  }
-  for (const std::string& name : names) {
-    const std::string group = groupOf(name);
-    if (group.empty()) continue;
-    if (const auto meant = polyfly::closestName(group, groups))
-      refuseValue(name, "there is no group '" + group + "'; is '" + *meant + "' meant?");
-  }
+void ParameterReader::refuseUnknown(const std::vector<std::string>& groups) const {
+  refuseMisspeltGroups(groups);
+  refuseUnknownKeys(groups);
 }
 
 std::vector<std::string> ParameterReader::unread() const {
-  std::vector<std::string> names = allNames();
-  const std::string own = handle_.getNamespace() + "/";
-  const auto known = [&](const std::string& name) {
-    // diagnostic_updater has parameters of its own there
-    return !startsWith(name, own) || startsWith(name, own + "diagnostic_") || read_.count(name) != 0;
+  std::vector<std::string> keys;
+  addKeys(root(), "", keys);
+  const std::string told = std::string(polyfly::kInForceGroup) + "/";
+  const auto is_known = [&](const std::string& key) {
+    return isKnown(key) || key.rfind(kDiagnostics, 0) == 0 || key.rfind(told, 0) == 0;
   };
-  names.erase(std::remove_if(names.begin(), names.end(), known), names.end());
-  return names;
+  keys.erase(std::remove_if(keys.begin(), keys.end(), is_known), keys.end());
+  return keys;
 }
 
 }  // namespace polyfly_ros

@@ -23,7 +23,6 @@ ParametersInForce::ParametersInForce(const ros::NodeHandle& private_handle, std:
   ros::NodeHandle handle(private_handle);
   publisher_ = handle.advertise<std_msgs::String>(kName, 1, kLatchedText);
   publish();
-  service_ = handle.advertiseService(kName, &ParametersInForce::onRequest, this);
 }
 
 void ParametersInForce::hasChanged(const std::string& cause) {
@@ -40,17 +39,9 @@ void ParametersInForce::publish() {
   text.text(space + "/change", causes_);
   write_(text);
   causes_.clear();
-  text_ = text.yaml();
   std_msgs::String message;
-  message.data = text_;
+  message.data = text.yaml();
   publisher_.publish(message);
-}
-
-bool ParametersInForce::onRequest(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  publish();
-  response.success = 1;
-  response.message = text_;
-  return true;
 }
 
 }  // namespace polyfly_ros

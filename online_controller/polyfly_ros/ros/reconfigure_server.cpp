@@ -40,13 +40,8 @@ Group makeGroup(const std::string& name, int id) {
 
 }  // namespace
 
-ReconfigureServer::ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply,
-                                     std::string note_name, Note note)
-    : handle_(private_handle),
-      table_(table),
-      apply_(std::move(apply)),
-      note_name_(std::move(note_name)),
-      note_(std::move(note)) {
+ReconfigureServer::ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply)
+    : handle_(private_handle), table_(table), apply_(std::move(apply)) {
   description_publisher_ =
       handle_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
   description_publisher_.publish(description());
@@ -121,11 +116,7 @@ void ReconfigureServer::writeParameters() {
   changed_.clear();
 }
 
-Config ReconfigureServer::current() const {
-  Config all = config(OptionTable::get);
-  if (note_) all.strs.front().value = note_();
-  return all;
-}
+Config ReconfigureServer::current() const { return config(OptionTable::get); }
 
 Config ReconfigureServer::config(const std::function<double(const Option&)>& value) const {
   Config all;
@@ -144,10 +135,6 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
       all.bools.back().value = static_cast<unsigned char>(shown != 0.0);
     }
   };
-  if (note_) {
-    all.strs.emplace_back();
-    all.strs.front().name = note_name_;
-  }
   for (const Option& option : table_.options()) add(option, option.name, value(option));
   for (const OptionTable::Alias& alias : table_.aliases()) {
     const Option& option = table_.first(alias);
@@ -170,9 +157,6 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
 dynamic_reconfigure::ConfigDescription ReconfigureServer::description() const {
   dynamic_reconfigure::ConfigDescription all;
   all.groups.push_back(makeGroup("Default", 0));
-  if (note_)
-    all.groups.front().parameters.push_back(
-        describe(note_name_, "str", "what the region maps hold; cannot be changed here"));
   for (const std::string& name : table_.groups()) {
     Group group = makeGroup(name, static_cast<int>(all.groups.size()));
     for (const Option& option : table_.options()) {

@@ -25,7 +25,12 @@ OptionsFromYaml::OptionsFromYaml(const std::string& text, const std::string& sou
 }
 
 void OptionsFromYaml::fail(const YAML::Node& node, const std::string& field, const std::string& rule) const {
-  throw Error(source_ + ":" + std::to_string(node.Mark().line + 1) + ": " + field + ": " + rule);
+  throw Error(placeOf(node, field) + ": " + rule);
+}
+
+std::string OptionsFromYaml::placeOf(const YAML::Node& node, const std::string& key) const {
+  if (node.Mark().is_null()) return source_ + "/" + key;
+  return source_ + ":" + std::to_string(node.Mark().line + 1) + ": " + key;
 }
 
 // The tree is read only as constant: the other access to a node adds what is not there.
@@ -55,7 +60,7 @@ void OptionsFromYaml::requireRange(const std::string& key, double value, const c
   const YAML::Node node = find(key);
   // What the file does not state may be out of range: some defaults come from other files.
   if (!node.IsDefined()) return;
-  RangeCheck{source_ + ":" + std::to_string(node.Mark().line + 1)}(key.c_str(), value, unit, range);
+  RangeCheck{}(placeOf(node, key).c_str(), value, unit, range);
 }
 
 double OptionsFromYaml::numberOf(const YAML::Node& node, const std::string& key) const {
@@ -106,6 +111,13 @@ void OptionsFromYaml::operator()(const std::string& key, std::optional<bool>& fi
   field = value;
 }
 
+void OptionsFromYaml::refuseRemoved(const std::vector<RemovedOption>& removed) {
+  for (const RemovedOption& option : removed) {
+    const YAML::Node node = find(option.name);
+    if (node.IsDefined()) fail(node, option.name, std::string("is removed: ") + option.instead);
+  }
+}
+
 void OptionsFromYaml::refuseUnknownKeys(const std::vector<std::string>& checked) const {
   for (const std::string& name : checked) {
     const YAML::Node& root = root_;
@@ -126,6 +138,17 @@ void OptionsFromYaml::refuseUnknownGroups(const std::vector<std::string>& groups
     if (holds(groups, name) || holds(singles, name)) continue;
     const auto meant = entry.second.IsMap() ? closestName(name, groups) : std::nullopt;
     fail(entry.first, name, "unknown group" + (meant ? "; is '" + *meant + "' meant?" : std::string()));
+  }
+}
+
+void OptionsFromYaml::refuseMisspeltGroups(std::vector<std::string> groups) const {
+  for (const std::string& key : known_) {
+    if (key.find('/') != std::string::npos) groups.push_back(key.substr(0, key.find('/')));
+  }
+  for (const auto& entry : root_) {
+    const std::string name = entry.first.Scalar();
+    const auto meant = entry.second.IsMap() ? closestName(name, groups) : std::nullopt;
+    if (meant) fail(entry.first, name, "unknown group; is '" + *meant + "' meant?");
   }
 }
 

@@ -11,8 +11,10 @@ namespace polyfly {
 /// replay are passed over. Throws Error naming file, line, key and rule.
 MultirotorOptions loadControllerOptions(const std::string& path);
 
-/// As loadControllerOptions, from text; `source` is used in errors.
-MultirotorOptions parseControllerOptions(const std::string& text, const std::string& source);
+/// As loadControllerOptions, from text; `source` is used in errors. Options that are removed by now are refused, unless the
+/// text was `told` by a node that had them.
+MultirotorOptions parseControllerOptions(const std::string& text, const std::string& source,
+                                         bool told = false);
 
 /// Default of `nonlinear/period` [s].
 constexpr double kPreviewPeriod = 0.1;

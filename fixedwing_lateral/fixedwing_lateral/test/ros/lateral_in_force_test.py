@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The parameters in force of the lateral guidance: service, latched topic, and a start from the text. `node` or `nodelet`."""
+"""The parameters in force of the lateral guidance: latched topic, and a start from the text. `node` or `nodelet`."""
 import unittest
 
 import dynamic_reconfigure.client
@@ -7,7 +7,6 @@ import rospy
 import rostest
 import yaml
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from lateral_nmpc_test import PATIENCE, VARIANT, Collector, Guidance
 
@@ -16,14 +15,12 @@ class LateralInForceTest(unittest.TestCase):
     def test_tells_the_parameters_in_force(self):
         guidance = Guidance("told_" + VARIANT, {"model/a0": 11.5, "provenance": "model/a0 from roll.yaml", "path/loiter_direction": -1})
         self.addCleanup(guidance.stop)
-        name = guidance.namespace + "/guidance/parameters_in_force"
-        rospy.wait_for_service(name, PATIENCE)
-        text = rospy.ServiceProxy(name, Trigger)().message
+        texts = Collector(guidance.namespace + "/guidance/parameters_in_force", String)
+        text = texts.wait(lambda m: True).data
         self.assertIn("  a0: 11.5  # [1/s^2] 0.1 .. 10000\n", text)
         told = yaml.safe_load(text)
         self.assertEqual((told["in_force"]["vehicle"], told["in_force"]["change"]), ("fixed_wing", "start"))
         self.assertEqual((told["provenance"], told["path"]["loiter_direction"]), ("model/a0 from roll.yaml", -1))
-        texts = Collector(name, String)
         client = dynamic_reconfigure.client.Client(guidance.namespace + "/guidance", timeout=PATIENCE)
         self.addCleanup(client.close)
         client.update_configuration({"weights_track": 0.02})
@@ -32,9 +29,7 @@ class LateralInForceTest(unittest.TestCase):
         # It starts the same guidance again, without a complaint.
         again = Guidance("again_" + VARIANT, changed)
         self.addCleanup(again.stop)
-        name = again.namespace + "/guidance/parameters_in_force"
-        rospy.wait_for_service(name, PATIENCE)
-        repeated = yaml.safe_load(rospy.ServiceProxy(name, Trigger)().message)
+        repeated = yaml.safe_load(Collector(again.namespace + "/guidance/parameters_in_force", String).wait(lambda m: True).data)
         self.assertEqual({k: v for k, v in repeated.items() if k != "in_force"},
                          {k: v for k, v in changed.items() if k != "in_force"})
 

@@ -354,7 +354,7 @@ class LateralNmpcTest(unittest.TestCase):
 
     def test_refuses_parameters_that_are_not_fit(self):
         for parameters, sentence in (({"weights/trakc": 1.0}, "/guidance/weights/trakc: unknown"),
-                                     ({"weigths/track": 1.0}, "there is no group 'weigths'; is 'weights' meant?"),
+                                     ({"weigths/track": 1.0}, "weigths: unknown group; is 'weights' meant?"),
                                      ({"horizon/step": -1.0}, "/guidance/horizon/step: must lie in"),
                                      ({"guidance/delay": 0.1}, "guidance/delay: the second move")):
             name = "refusal_%d" % abs(hash(sentence))

@@ -39,19 +39,6 @@ struct NonlinearMpcOptions {
 
   /// Limit of each component of the velocity [m/s]; 0: not limited.
   double speed_max = 0.0;
-  /// Penalty of the l1 relaxation of the velocity limit [s/m].
-  double speed_penalty = 1e5;
-  /// Limit of the distance from the world's origin along x and along y [m]; 0: not limited.
-  double position_max = 0.0;
-  /// Limits of the height z [m]; both 0: not limited.
-  double height_min = 0.0, height_max = 0.0;
-  /// Penalty of the l1 relaxation of the limits of position and height [1/m].
-  double position_penalty = 1e5;
-  /// Limit of roll and of pitch, beside that of their commands [rad]; 0: not limited.
-  double tilt_max = 0.0;
-  /// Penalty of the l1 relaxation of the tilt's limit [1/rad].
-  double tilt_penalty = 1e5;
-
   /// Working sets that the feedback may try, the bound of its time: then it answers with what it has. 0: the
   /// solver's own bound, 10 (inputs + rows) + 30.
   int working_sets_max = 0;
@@ -84,13 +71,6 @@ void visitNonlinearOptions(Options& options, Visit&& visit) {
   visit("nonlinear/thrust_weight", options.thrust_weight, "s^4/m^2", Range{1e-3, 1e6});
   visit("nonlinear/chapter_limits", options.chapter_limits);
   visit("nonlinear/speed_max", options.speed_max, "m/s", anyChange(0.0, 1000.0));
-  visit("nonlinear/speed_penalty", options.speed_penalty, "s/m", Range{1e-3, 1e9});
-  visit("nonlinear/position_max", options.position_max, "m", anyChange(0.0, 1e6));
-  visit("nonlinear/height_min", options.height_min, "m", anyChange(-1e6, 1e6));
-  visit("nonlinear/height_max", options.height_max, "m", anyChange(-1e6, 1e6));
-  visit("nonlinear/position_penalty", options.position_penalty, "1/m", Range{1e-3, 1e9});
-  visit("nonlinear/tilt_max", options.tilt_max, "rad", anyChange(0.0, 1.4));
-  visit("nonlinear/tilt_penalty", options.tilt_penalty, "1/rad", Range{1e-3, 1e9});
   visit("nonlinear/working_sets_max", options.working_sets_max, "working sets", anyChange(0.0, 100000.0));
 }
 
@@ -112,8 +92,8 @@ struct StageReference {
 /// (Andersson, 2013), BoundedQp with the last active set. A step has two parts: prepare() linearises,
 /// condenses and factorises before the state is known; feedback() takes the state and solves. The terminal
 /// weight is the solution of the discrete Riccati equation of the model at hover, turned by the yaw at the
-/// end. Limits of states are relaxed in the l1 norm, so that the problem always has a solution. The relaxation is exact:
-/// limits hold wherever they can, as long as the penalty exceeds their multipliers.
+/// end. The limit of the velocity is relaxed in the l1 norm, so that the problem always has a solution. The relaxation is
+/// exact: the limit holds wherever it can, as long as the penalty exceeds its multipliers.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread.
 class NonlinearMpc {
@@ -150,17 +130,11 @@ class NonlinearMpc {
   int iterations() const noexcept { return qp_.iterations(); }
   /// KKT residual of the last QP.
   double kktResidual() const noexcept { return qp_.kktResidual(); }
-  /// Greatest violation of the linearised limits of states [m, m/s or rad].
+  /// Greatest violation of the linearised limit of the velocity [m/s].
   double stateViolation() const noexcept { return qp_.violation(); }
 
  private:
   using Condensing = StageCondensing<kMultirotorStates, kMultirotorInputs>;
-  /// A limit of a state at each stage but the first, relaxed.
-  struct SoftLimit {
-    int state;
-    double lower, upper;
-    double penalty;
-  };
   /// What feedback() reads of a stage beside A and B.
   struct Transition {
     MultirotorState defect;  // f(x_k, u_k) - x_{k+1}
@@ -169,9 +143,8 @@ class NonlinearMpc {
     double lift = 0.0;  // z_B T
   };
 
-  static std::vector<SoftLimit> softLimits(const NonlinearMpcOptions& options);
-  // Rows of the QP, softLimits() of each stage.
-  int rowCount() const noexcept { return options_.horizon * static_cast<int>(soft_limits_.size()); }
+  // Rows of the QP: the components of the velocity at each stage but the first, where they are limited.
+  int rowCount() const noexcept { return options_.speed_max > 0.0 ? 3 * options_.horizon : 0; }
   void computeTerminalWeight();
   void linearise(const StageConditions* stages) noexcept;
   void weigh(int k) noexcept;
@@ -184,7 +157,6 @@ class NonlinearMpc {
   void expand(double share) noexcept;
 
   NonlinearMpcOptions options_;
-  std::vector<SoftLimit> soft_limits_;
   Condensing condensing_;
   BoundedQp qp_;
   // Terminal weight at yaw 0.

@@ -13,21 +13,15 @@
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/thrust_curve.hpp"
 #include "online_controller/types/types.hpp"
-#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
-
-using polyfly::OutputOptions;
-
-/// Throws Error naming a parameter.
-OutputOptions readOutputOptions(ParameterReader& reader);
 
 /// Publishes commands. Each message is made beforehand and shared: neighbours in the same nodelet manager
 /// get it without a copy, so it does not change afterwards.
 class CommandOutput {
  public:
   /// Throws Error when the thrust curve does not fit the limits.
-  CommandOutput(ros::NodeHandle& handle, const OutputOptions& options,
+  CommandOutput(ros::NodeHandle& handle, const polyfly::OutputOptions& options,
                 const polyfly::MultirotorOptions& vehicle);
 
   /// `yaw` is that of the vehicle [rad]. Where it is not finite, as with an odometry that is none, the

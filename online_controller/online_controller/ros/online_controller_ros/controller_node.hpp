@@ -1,23 +1,24 @@
 #pragma once
 
 #include <nav_msgs/Odometry.h>
+#include <online_controller/SelectLaw.h>
 #include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/service_server.h>
+#include <ros/spinner.h>
+#include <ros/steady_timer.h>
 #include <ros/subscriber.h>
 
-#include "online_controller/types/node_options.hpp"
-#include "online_controller/types/options.hpp"
 #include "online_controller_ros/active_laws.hpp"
-#include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/autopilot_input.hpp"
-#include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/command_output.hpp"
 #include "online_controller_ros/config_thread.hpp"
 #include "online_controller_ros/flight_interface.hpp"
+#include "online_controller_ros/flight_record.hpp"
 #include "online_controller_ros/flight_reporter.hpp"
-#include "online_controller_ros/flight_snapshot.hpp"
-#include "online_controller_ros/law_selector.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/odometry_watch.hpp"
+#include "polyfly_ros/guarded_queue.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
@@ -28,31 +29,20 @@ namespace polyfly_ros {
 class ControllerNode {
  public:
   /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
-  /// the parameters or a map are not fit to fly. `names` are further names under which options can be changed.
+  /// the parameters or a map are not fit to fly. `names` are further names of options.
   ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                  const LegacyNames& names = {});
 
  private:
-  struct Setup {
-    LawSetup laws;
-    FlightSetup flight;
-    polyfly::NodeOptions node;
-    OutputOptions output;
-    // Where calibrated numbers come from.
-    std::string provenance;
-
-    // All but what the laws are made from.
-    polyfly::MultirotorParameters parameters() const;
-  };
-
-  static Setup readSetup(const ros::NodeHandle& private_handle, bool has_legacy_names);
   ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                 const LegacyNames& names, const Setup& setup);
-
+                 const LegacyNames& names, const LawSetup& setup);
   void onOdometry(const nav_msgs::Odometry& message);
   void onManual(const ros::Time& now);
   void onTick();
   void onSilence();
+  bool onSelectLaw(online_controller::SelectLaw::Request& request,
+                   online_controller::SelectLaw::Response& response);
+  void publishLaw();
 
   void record(const std_msgs::Header& header, const StageTimes& times);
   void reportCommand();
@@ -73,11 +63,13 @@ class ControllerNode {
   FlightReporter reporter_;
   // The last command.
   Answered answered_;
-  LawSelector law_selector_;
+  ros::Publisher law_publisher_;
+  ros::ServiceServer law_service_;
   ros::Subscriber odometry_;
   // These end first, the last one before the other.
   ConfigThread config_thread_;
-  CallbackThread control_thread_;
+  ros::SteadyTimer timer_;
+  ros::AsyncSpinner control_thread_{1, &queue_};
 };
 
 }  // namespace polyfly_ros

@@ -8,6 +8,7 @@
 #include <online_controller/ControllerStatus.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,15 @@
 
 // The only place where messages become values and frames change. Also for replaying a bag.
 namespace polyfly_ros {
+
+/// Whether a message's constants are 0, 1, 2, ... in this order, as the enumerators that it restates.
+constexpr bool areCounted(std::initializer_list<int> constants) {
+  int next = 0;
+  for (const int constant : constants) {
+    if (constant != next++) return false;
+  }
+  return true;
+}
 
 /// The twist of an odometry message is in its child frame, the body: the velocity is rotated to the world.
 /// The quaternion is normalised; one that is not finite or far from unit length becomes NaN, which the
@@ -53,6 +63,9 @@ double yawOf(const polyfly::VehicleState& state);
 void fillStatus(const polyfly::ControlReport& report,
                 const std::array<std::vector<polyfly::Signal>, 3>& parameters,
                 online_controller::ControllerStatus& message);
+
+/// "level attitude, hover thrust".
+const char* words(polyfly::ControlStatus status);
 
 /// "clipped: e_p_x outside the range of its map", for logs, the status message and diagnostics; with remarkOn(report).
 /// Without `parameters` it names none.

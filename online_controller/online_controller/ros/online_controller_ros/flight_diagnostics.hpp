@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "online_controller_ros/active_laws.hpp"
-#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/flight_record.hpp"
 
 namespace polyfly_ros {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/flight_record.hpp"
 
 namespace polyfly_ros {
 

@@ -9,31 +9,18 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "online_controller/estimation/vehicle_observer.hpp"
 #include "online_controller/flight/flight_supervisor.hpp"
-#include "online_controller/types/node_options.hpp"
-#include "online_controller_ros/answered.hpp"
-#include "online_controller_ros/law_setup.hpp"
+#include "online_controller/parameters/multirotor_parameters.hpp"
+#include "online_controller_ros/flight_record.hpp"
 #include "polyfly_base/time_source.hpp"
-#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
 
-using polyfly::JoyLayout;
-
 /// Sticks that a message does not have are at rest; without its mode axis or button it is off.
-polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const JoyLayout& layout);
-
-struct FlightSetup {
-  polyfly::FlightOptions flight;
-  JoyLayout joy;
-  polyfly::PilotRule pilot = polyfly::PilotRule::kWhenPresent;
-  std::string odometry_frame;  ///< empty: that of the first odometry
-
-  /// Throws Error naming a parameter.
-  static FlightSetup read(ParameterReader& reader);
-};
+polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const polyfly::JoyLayout& layout);
 
 /// References, remote control, services and the published state of a flight. Its callbacks and the
 /// supervisor's other callers must not run concurrently.
@@ -42,9 +29,9 @@ class FlightInterface {
   /// Called when the sticks have made a command that is to be sent at this time.
   using OnManual = std::function<void(const ros::Time&)>;
 
-  /// Keeps references to `flight` and `time`. The observer is that of the vehicle in `laws`.
+  /// Keeps references to `flight` and `time`.
   FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle, polyfly::FlightSupervisor& flight,
-                  const polyfly::TimeSource& time, const FlightSetup& setup, const LawSetup& laws,
+                  const polyfly::TimeSource& time, const polyfly::MultirotorParameters& parameters,
                   OnManual on_manual);
 
   /// Whether an odometry bears the frame agreed; the first one may agree it.
@@ -67,11 +54,11 @@ class FlightInterface {
   void onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message);
   void onPose(const geometry_msgs::PoseStamped::ConstPtr& message);
   void onJoy(const sensor_msgs::Joy::ConstPtr& message);
-  bool onTakeOff(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
-  bool onHold(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
-  bool onResetIntegrator(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
-  bool onResetObserver(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
-  bool onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  /// Serves `request`, which answers why it refuses to do that, nullptr where it does. `what` completes "refuses to".
+  void serve(ros::NodeHandle& handle, const char* name, const char* what,
+             std::function<const char*()> request);
+  const char* resetObserver();
+  const char* calibrate();
   bool onLand(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
   bool answer(const char* request, const char* refusal);
   template <class Message>
@@ -81,7 +68,7 @@ class FlightInterface {
 
   polyfly::FlightSupervisor& flight_;
   const polyfly::TimeSource& time_;
-  JoyLayout joy_;
+  polyfly::JoyLayout joy_;
   polyfly::VehicleObserver observer_;
   // Last command that was sent.
   polyfly::AttitudeCommand sent_;
@@ -106,12 +93,7 @@ class FlightInterface {
   ros::Subscriber trajectory_subscriber_;
   ros::Subscriber pose_subscriber_;
   ros::Subscriber joy_subscriber_;
-  ros::ServiceServer takeoff_service_;
-  ros::ServiceServer hold_service_;
-  ros::ServiceServer land_service_;
-  ros::ServiceServer integrator_service_;
-  ros::ServiceServer observer_service_;
-  ros::ServiceServer calibration_service_;
+  std::vector<ros::ServiceServer> services_;
 };
 
 }  // namespace polyfly_ros

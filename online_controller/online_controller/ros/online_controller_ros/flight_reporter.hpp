@@ -7,8 +7,7 @@
 
 #include "online_controller/flight/flight_supervisor.hpp"
 #include "online_controller_ros/active_laws.hpp"
-#include "online_controller_ros/answered.hpp"
-#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/flight_record.hpp"
 
 namespace polyfly_ros {
 

@@ -5,6 +5,7 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/service_server.h>
+#include <ros/spinner.h>
 #include <ros/steady_timer.h>
 #include <ros/subscriber.h>
 
@@ -13,7 +14,6 @@
 #include <vector>
 
 #include "online_controller/realtime/object_swap.hpp"
-#include "online_controller_ros/callback_thread.hpp"
 #include "polyfly_ros/guarded_queue.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"
@@ -71,7 +71,7 @@ class LookupNode {
   ThreadQueue config_queue_;
   ros::Subscriber own_status_;
   ros::ServiceServer swap_service_;
-  CallbackThread config_thread_;
+  ros::AsyncSpinner config_thread_{1, &config_queue_};
 };
 
 }  // namespace polyfly_ros

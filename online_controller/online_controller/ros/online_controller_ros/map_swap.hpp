@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/flight_record.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "region_maps/region_map.hpp"
 

@@ -7,45 +7,32 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/range_check.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr int kNx = kMultirotorStates;
 constexpr int kNu = kMultirotorInputs;
+// The velocity among the states.
+constexpr int kVelocity = 3;
+// Of the l1 relaxation of the velocity's limit [s/m].
+constexpr double kSpeedPenalty = 1e5;
 
-void require(bool holds, const std::string& field, const std::string& rule) {
-  if (!holds) throw Error("nonlinear MPC: " + field + ": " + rule);
+void require(bool holds, const std::string& rule) {
+  if (!holds) throw Error(rule);
 }
 
 const NonlinearMpcOptions& checked(const NonlinearMpcOptions& options) {
-  const MultirotorModel& model = options.model;
-  require(options.horizon >= 1 && options.horizon <= 100, "horizon", "must be from 1 to 100");
-  require(options.period > 0.0 && options.period <= 1.0, "period", "must be above 0 and at most 1 s");
-  require(model.gravity > 0.0 && model.gravity < 100.0, "gravity", "must be above 0 and below 100 m/s^2");
-  require(model.roll_time > 1e-3 && model.pitch_time > 1e-3, "roll_time, pitch_time", "must be above 1 ms");
-  require(model.roll_gain > 0.0 && model.pitch_gain > 0.0, "roll_gain, pitch_gain", "must be above 0");
-  require((model.drag.array() >= 0.0).all() && model.drag.allFinite(), "drag", "must be 0 or more");
-  require((options.position_weight.array() > 0.0).all(), "position_weight",
-          "must be above 0 on each axis: without it nothing brings the vehicle back");
-  require((options.velocity_weight.array() >= 0.0).all() && options.roll_weight >= 0.0 &&
-              options.pitch_weight >= 0.0,
-          "velocity_weight, roll_weight, pitch_weight", "must be 0 or more");
-  require(
-      options.roll_command_weight > 0.0 && options.pitch_command_weight > 0.0 && options.thrust_weight > 0.0,
-      "roll_command_weight, pitch_command_weight, thrust_weight", "must be above 0");
-  require(options.angle_max > 0.0 && options.angle_max < 1.4, "angle_max",
-          "must be above 0 and below 1.4 rad");
-  require(options.thrust_min > 0.0 && options.thrust_min < options.thrust_max, "thrust_min, thrust_max",
-          "must increase and be above 0");
-  require(options.speed_max >= 0.0 && options.speed_penalty > 0.0, "speed_max, speed_penalty",
-          "must be 0 or more, and above 0");
-  require(options.position_max >= 0.0 && options.position_penalty > 0.0, "position_max, position_penalty",
-          "must be 0 or more, and above 0");
-  require(options.tilt_max >= 0.0 && options.tilt_max < 1.4 && options.tilt_penalty > 0.0,
-          "tilt_max, tilt_penalty", "must be 0 or more and below 1.4 rad, and above 0");
-  require(options.height_min < options.height_max || (options.height_min == 0.0 && options.height_max == 0.0),
-          "height_min, height_max", "must increase, or both be 0");
+  visitNonlinearOptions(options, RangeCheck{});
+  require((options.position_weight.array() > 0.0).all(),
+          "nonlinear/position_weight_x .. z: must be above 0: without them nothing brings the vehicle back");
+  require(options.model.gravity > 0.0 && options.model.gravity < 100.0,
+          "vehicle/gravity: must be above 0 and below 100 m/s^2");
+  require(options.angle_max > 0.0 && options.angle_max < 1.4,
+          "controller/angle_max: must be above 0 and below 1.4 rad");
+  require(options.thrust_min > 0.0 && options.thrust_min < options.thrust_max,
+          "controller/thrust_min, thrust_max: must increase and be above 0");
   return options;
 }
 
@@ -54,10 +41,7 @@ std::size_t size(int a, int b) { return static_cast<std::size_t>(a) * static_cas
 }  // namespace
 
 NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
-    : options_(checked(options)),
-      soft_limits_(softLimits(options)),
-      condensing_(options.horizon),
-      qp_(kNu * options.horizon, rowCount()) {
+    : options_(checked(options)), condensing_(options.horizon), qp_(kNu * options.horizon, rowCount()) {
   const int N = options_.horizon;
   const int n = kNu * N;
   const int m = rowCount();
@@ -71,23 +55,8 @@ NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
   rows_ = AlignedArray(size(m, n));
   for (AlignedArray* array : {&row_lower_, &row_upper_}) *array = AlignedArray(static_cast<std::size_t>(m));
   if (options_.working_sets_max > 0) qp_.setIterationLimit(options_.working_sets_max);
-  for (int i = 0; i < m; ++i)
-    qp_.setPenalty(i, soft_limits_[static_cast<std::size_t>(i) % soft_limits_.size()].penalty);
+  for (int i = 0; i < m; ++i) qp_.setPenalty(i, kSpeedPenalty);
   computeTerminalWeight();
-}
-
-std::vector<NonlinearMpc::SoftLimit> NonlinearMpc::softLimits(const NonlinearMpcOptions& options) {
-  constexpr int kHeight = 2, kVelocity = 3, kRoll = 6, kPitch = 7;
-  std::vector<SoftLimit> limits;
-  const auto add = [&](int state, double greatest, double penalty) {
-    if (greatest > 0.0) limits.push_back({state, -greatest, greatest, penalty});
-  };
-  for (int i = 0; i < 3; ++i) add(kVelocity + i, options.speed_max, options.speed_penalty);
-  for (int i = 0; i < kHeight; ++i) add(i, options.position_max, options.position_penalty);
-  if (options.height_min < options.height_max)
-    limits.push_back({kHeight, options.height_min, options.height_max, options.position_penalty});
-  for (const int angle : {kRoll, kPitch}) add(angle, options.tilt_max, options.tilt_penalty);
-  return limits;
 }
 
 void NonlinearMpc::computeTerminalWeight() {
@@ -133,7 +102,7 @@ bool NonlinearMpc::prepare(const StageConditions* stages) noexcept {
   const StageConditions& last = stages[options_.horizon - 1];
   weighEnd(last.yaw + options_.period * last.yaw_rate);
   condensing_.condense();
-  if (!soft_limits_.empty()) setSoftRows();
+  if (rowCount() > 0) setSoftRows();
   return qp_.setHessian(condensing_.hessian());
 }
 
@@ -180,8 +149,8 @@ void NonlinearMpc::setSoftRows() noexcept {
   const int m = rowCount();
   int index = 0;
   for (int k = 1; k <= options_.horizon; ++k) {
-    for (const SoftLimit& limit : soft_limits_) {
-      const double* row = condensing_.sensitivity(k, limit.state);
+    for (int i = 0; i < 3; ++i) {
+      const double* row = condensing_.sensitivity(k, kVelocity + i);
       for (int j = 0; j < kNu * k; ++j) rows_[j * m + index] = row[j];
       ++index;
     }
@@ -241,8 +210,7 @@ double NonlinearMpc::costOfRows(double share) const noexcept {
   for (int i = 0; i < m; ++i) {
     double along = 0.0;
     for (int j = 0; j < n; ++j) along += rows_[static_cast<std::ptrdiff_t>(j) * m + i] * x[j];
-    const double penalty = soft_limits_[static_cast<std::size_t>(i) % soft_limits_.size()].penalty;
-    cost += penalty * std::max({0.0, row_lower_[i] - share * along, share * along - row_upper_[i]});
+    cost += kSpeedPenalty * std::max({0.0, row_lower_[i] - share * along, share * along - row_upper_[i]});
   }
   return cost;
 }
@@ -252,15 +220,12 @@ void NonlinearMpc::propagate(const MultirotorState& deviation) noexcept {
   deviations_[0] = deviation;
   for (std::size_t k = 0; k < transitions_.size(); ++k)
     deviations_[k + 1] = condensing_.stages()[k].A * deviations_[k] + transitions_[k].defect;
-  int row = 0;
-  for (int k = 0; k < options_.horizon; ++k) {
-    const auto next = static_cast<std::size_t>(k + 1);
-    for (const SoftLimit& limit : soft_limits_) {
-      const double value = states_[next](limit.state) + deviations_[next](limit.state);
-      row_lower_[row] = limit.lower - value;
-      row_upper_[row] = limit.upper - value;
-      ++row;
-    }
+  for (int row = 0; row < rowCount(); ++row) {
+    const auto next = static_cast<std::size_t>(1 + row / 3);
+    const int state = kVelocity + row % 3;
+    const double value = states_[next](state) + deviations_[next](state);
+    row_lower_[row] = -options_.speed_max - value;
+    row_upper_[row] = options_.speed_max - value;
   }
 }
 

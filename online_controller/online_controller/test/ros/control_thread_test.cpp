@@ -12,12 +12,10 @@
 #include <cstdint>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/controller_node.hpp"
 
 namespace polyfly_ros {
@@ -84,7 +82,7 @@ class Flight {
     reference_ = handle_.advertise<geometry_msgs::PoseStamped>("command/pose", 1, true);
     reference_.publish(pose);
     node = std::make_unique<ControllerNode>(handle_, private_handle_);
-    thread_.emplace(queue_, "commands");
+    thread_.start();
     // Nothing is sent before a reference.
     await([this, i = 0]() mutable {
       odometry.publish(odometryAt(ros::Time(99.3 + 1e-4 * i++)));
@@ -103,7 +101,7 @@ class Flight {
   /// Waits for the status of the odometry with this stamp, and takes no more messages.
   bool awaitStatus(const ros::Time& stamp) {
     const bool came = await([&] { return last_status_ == stamp.toNSec(); });
-    thread_.reset();
+    thread_.stop();
     return came;
   }
 
@@ -129,7 +127,7 @@ class Flight {
   ros::NodeHandle handle_, private_handle_;
   ros::Subscriber commands_, statuses_;
   ros::Publisher reference_;
-  std::optional<CallbackThread> thread_;
+  ros::AsyncSpinner thread_{1, &queue_};
 };
 
 // A message may be replaced by a newer one, as in any queue of one; none is answered twice, late or out of order.

@@ -248,13 +248,13 @@ class ExplicitMpcTest(MapsFixture):
 
     def test_refuses_parameters_that_are_not_fit(self):
         self.assertIn("/controller/controller/yaw_gian: unknown", self.refusal(parameters={"controller/yaw_gian": 1.0}))
-        self.assertIn("/controller/vehical/mass: there is no group 'vehical'; is 'vehicle' meant?",
+        self.assertIn("/controller/vehical: unknown group; is 'vehicle' meant?",
                       self.refusal(parameters={"vehical/mass": 3.0}))
         self.assertIn("is 'KF_observer' meant?", self.refusal(parameters={"kf_observer/q_position": 0.1}))
         self.assertIn("/controller/vehicle/mass: must lie in", self.refusal(parameters={"vehicle/mass": -1.0}))
         self.assertIn("/controller/vehicle/mass: must be a number", self.refusal(parameters={"vehicle/mass": "heavy"}))
         scalar = self.refusal(parameters={"vehicle": 1.5})
-        self.assertIn("/controller/vehicle: must be a group of parameters, not a value", scalar)
+        self.assertIn("/controller/vehicle: must be a map", scalar)
         self.assertIn("FATAL", scalar)
         self.assertIn("hold_periods: must be a whole number", self.refusal(parameters={"controller/hold_periods": 2.5}))
         self.assertIn("hover", self.refusal(parameters={"controller/thrust_min": 15.0}))

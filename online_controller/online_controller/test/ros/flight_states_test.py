@@ -249,7 +249,7 @@ class FlightStatesTest(MapsFixture):
 
         refused(lambda: pose(0.5, 1.0, "map"), "frame 'map' is not that of the odometry, 'world'")
         refused(lambda: pose(1e5, 1.0, "world"), "more than reference_limits/distance, 1000 m")
-        refused(lambda: pose(0.5, 700.0, ""), "more than reference_limits/height, 500 m")
+        refused(lambda: pose(0.5, 1700.0, ""), "more than reference_limits/distance, 1000 m")
         trajectory.header.stamp, trajectory.header.frame_id = rospy.Time(), "map"
         refused(lambda: controller.trajectory.publish(trajectory), "command/trajectory: frame 'map' is not")
         trajectory.header.frame_id = ""

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The parameters in force: the service and the latched topic, at each change, and a start from the text. Launched by
+"""The parameters in force: the latched topic, at each change, and a start from the text. Launched by
 parameters_in_force.test with the argument node or nodelet."""
 
 import os
@@ -12,7 +12,6 @@ import yaml
 from dynamic_reconfigure.client import Client
 from online_controller.srv import SelectLaw, SwapMaps
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from controller_process import AXES, Controller, MapsFixture
 from node_or_nodelet import PATIENCE, VARIANT, Collector
@@ -27,11 +26,7 @@ def without_node(text):
 
 class ParametersInForceTest(MapsFixture):
     def told(self, controller):
-        name = controller.namespace + "/controller/parameters_in_force"
-        rospy.wait_for_service(name, PATIENCE)
-        answer = rospy.ServiceProxy(name, Trigger)()
-        self.assertTrue(answer.success)
-        return answer.message
+        return self.texts(controller).wait(lambda m: True).data
 
     def texts(self, controller):
         return Collector(controller.namespace + "/controller/parameters_in_force", String)
@@ -81,7 +76,6 @@ class ParametersInForceTest(MapsFixture):
         self.assertEqual(swapped["maps"]["lateral"], firmer)
         self.assertNotEqual(swapped["in_force"]["maps"]["lateral"]["checksum"], before)
         self.assertEqual(len(texts.messages), 4)
-        self.assertEqual(self.told(controller), texts.messages[-1].data)
 
     def test_the_text_starts_the_same_flight(self):
         first = self.fly({"law": "linear", "controller/yaw_gain": 2.25, "provenance": PROVENANCE,

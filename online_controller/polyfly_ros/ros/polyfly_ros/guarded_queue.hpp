@@ -1,18 +1,23 @@
 #pragma once
 
-#include <ros/callback_queue_interface.h>
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 
 #include <cstdint>
-#include <functional>
 
 namespace polyfly_ros {
 
-/// Does the work. An exception would end the process, with all nodelets in it: it becomes an error message instead.
-void runGuarded(const std::function<void()>& work) noexcept;
-
-/// A callback that calls this one by runGuarded.
+/// A callback that calls this one. An exception would end the process, with all nodelets in it: it becomes an error message
+/// instead.
 ros::CallbackInterfacePtr guarded(const ros::CallbackInterfacePtr& callback);
+
+/// A queue for a spinner of its own. Its callbacks are guarded.
+class ThreadQueue : public ros::CallbackQueue {
+ public:
+  void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner_id) override {
+    ros::CallbackQueue::addCallback(guarded(callback), owner_id);
+  }
+};
 
 /// Hands the callbacks of a node to the queue of its node handle, guarded. Must outlive what it is a queue of.
 class GuardedQueue : public ros::CallbackQueueInterface {

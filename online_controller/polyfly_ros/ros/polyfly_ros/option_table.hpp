@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 #include <variant>
@@ -9,23 +7,9 @@
 
 #include "polyfly_base/change_bounds.hpp"
 #include "polyfly_base/range.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
-
-/// What another program calls an option of ours. It is ours = sign theirs + offset, with sign 1 or -1. Or ours is the
-/// root of theirs: a standard deviation where they have a variance.
-struct LegacyName {
-  std::string theirs;
-  std::string ours;
-  double sign = 1.0;
-  double offset = 0.0;
-  bool raises = false;  ///< ours is raised to it, and never lowered
-  bool root = false;
-
-  double toOurs(double value) const { return root ? std::sqrt(std::max(value, 0.0)) : sign * value + offset; }
-  double toTheirs(double value) const { return root ? value * value : (value - offset) * sign; }
-};
-using LegacyNames = std::vector<LegacyName>;
 
 /// Options by name, for dynamic_reconfigure. It is the visitor of the options' lists, so that names, units
 /// and ranges stand in one place. Keeps pointers to the fields.
@@ -72,7 +56,7 @@ class OptionTable {
   /// nullptr when there is none.
   const Option* find(const std::string& name) const;
 
-  /// `theirs` stands for `ours` too; nothing without such an option.
+  /// `theirs` stands for `ours` too; nothing without such an option, or where theirs is a list.
   void alias(const LegacyName& name);
   const std::vector<Alias>& aliases() const noexcept { return aliases_; }
   const Option& first(const Alias& alias) const { return options_[alias.links.front().option]; }

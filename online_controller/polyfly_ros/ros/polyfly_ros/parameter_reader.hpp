@@ -2,66 +2,63 @@
 
 #include <ros/node_handle.h>
 
-#include <set>
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
-#include "polyfly_base/range.hpp"
+#include "polyfly_base/options_from_yaml.hpp"
 
 namespace polyfly_ros {
 
-/// A parameter of earlier versions, and what to use instead.
-struct RemovedParameter {
-  const char* name;
-  const char* instead;
+/// What another program calls an option of ours. It is ours = sign theirs + offset, with sign 1 or -1. Or ours is the
+/// root of theirs: a standard deviation where they have a variance.
+struct LegacyName {
+  std::string theirs;
+  std::string ours;
+  double sign = 1.0;
+  double offset = 0.0;
+  bool raises = false;  ///< changed in flight, it raises ours and never lowers it
+  bool root = false;
+  int element = -1;  ///< place in a list of theirs; -1: theirs is no list
+
+  double toOurs(double value) const { return root ? std::sqrt(std::max(value, 0.0)) : sign * value + offset; }
+  double toTheirs(double value) const { return root ? value * value : (value - offset) * sign; }
 };
 
-/// Reads options from a node's private parameters. It is the visitor of an option list. Each call reads one
-/// parameter, or leaves the default where it is not set. It throws Error naming the parameter when its type or range
-/// is wrong.
-class ParameterReader {
+using LegacyNames = std::vector<LegacyName>;
+
+/// Reads options from a node's private parameters, by the rules of a YAML file. It is the visitor of an option list. It
+/// throws Error naming the parameter when its type or range is wrong.
+class ParameterReader : public polyfly::OptionsFromYaml {
  public:
-  explicit ParameterReader(const ros::NodeHandle& private_handle) : handle_(private_handle) {}
+  /// `names` are further names of numbers and flags. They count where ours is not set, of several the greatest number.
+  explicit ParameterReader(const ros::NodeHandle& private_handle, LegacyNames names = {});
 
-  void operator()(const char* key, double& field, const char* unit, const polyfly::Range& range);
-  void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range);
-  void operator()(const char* key, bool& field);
-  void operator()(const char* key, std::vector<double>& field);  ///< a list of numbers
-
-  void operator()(const char* key, std::string& field);  ///< a text that is not empty
-
-  /// What stands below this group counts as read.
-  void passOver(const std::string& group);
+  using OptionsFromYaml::operator();
+  void operator()(const std::string& key, double& field, const char* unit, const polyfly::Range& range);
+  void operator()(const std::string& key, bool& field);
 
   /// Whether the parameter is set, of whatever type. It counts as read from then on.
-  bool given(const std::string& key);
-
-  /// Whether the parameter is set; then it is true or false, or Error is thrown.
-  bool flag(const std::string& key, bool& value);
-
+  bool given(const std::string& key) { return find(key).IsDefined(); }
   /// Throws Error unless the parameter is a text that is not empty. `what` says what it is for.
   std::string requiredText(const std::string& key, const std::string& what);
-
   /// As requiredText, but `fallback` where the parameter is not set.
   std::string text(const std::string& key, const std::string& what, const std::string& fallback);
-
-  /// Throws Error naming a removed parameter that is set, and what to use instead.
-  void refuseRemoved(const std::vector<RemovedParameter>& removed);
-
-  /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling. So is a value in
-  /// place of one of them, and one below a namespace whose name is near to one of these, or of those read: see polyfly::closestName.
-  void refuseUnknown(const std::vector<std::string>& namespaces) const;
-
-  /// Private parameters that were never read: perhaps misspelled.
+  /// Throws Error naming a parameter below one of these groups that was never read: a misspelling. So is a value in
+  /// place of one of them, and a group whose name is near to one of these, or of those read.
+  void refuseUnknown(const std::vector<std::string>& groups) const;
+  /// Private parameters that were never read, perhaps misspelt; without those of `in_force` and of the diagnostics.
   std::vector<std::string> unread() const;
+  /// What was read by a further name: "theirs -> ours", separated by commas.
+  const std::string& adopted() const noexcept { return adopted_; }
 
  private:
-  void refuseValuesOfGroups(const std::vector<std::string>& names,
-                            const std::vector<std::string>& namespaces) const;
-  void refuseMisspeltGroups(const std::vector<std::string>& names, std::vector<std::string> groups) const;
+  template <class Read>
+  void adopt(const std::string& ours, const Read& read);
 
-  ros::NodeHandle handle_;
-  std::set<std::string> read_;
+  LegacyNames names_;
+  std::string adopted_;
 };
 
 }  // namespace polyfly_ros

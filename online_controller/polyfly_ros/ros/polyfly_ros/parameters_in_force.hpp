@@ -2,8 +2,6 @@
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
-#include <ros/service_server.h>
-#include <std_srvs/Trigger.h>
 
 #include <functional>
 #include <string>
@@ -12,9 +10,8 @@
 
 namespace polyfly_ros {
 
-/// Tells the parameters in force as YAML: by the latched topic and by the service `parameters_in_force` of a node's
-/// private namespace. The group `in_force` of the text says of which node they are and what changed last. Its
-/// functions and the service are to run in one thread, and not in one that controls.
+/// Tells the parameters in force as YAML: by the latched topic `parameters_in_force` of a node's private namespace. The group `in_force` of the text says of which node they are and what changed last. Its
+/// functions are to run in one thread, and not in one that controls.
 class ParametersInForce {
  public:
   /// Writes all parameters, and what else is in force below `in_force`.
@@ -22,7 +19,7 @@ class ParametersInForce {
   /// Whether changes have taken effect.
   using Settled = std::function<bool()>;
 
-  /// `vehicle`: multirotor or fixed_wing. Serves on the queue of `private_handle`.
+  /// `vehicle`: multirotor or fixed_wing.
   ParametersInForce(
       const ros::NodeHandle& private_handle, std::string vehicle, Write write,
       Settled settled = [] { return true; });
@@ -33,18 +30,13 @@ class ParametersInForce {
   void publish();
 
  private:
-  bool onRequest(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
-
   std::string node_;
   std::string vehicle_;
   Write write_;
   Settled settled_;
   // Causes since the last text, separated by commas; empty: none.
   std::string causes_ = "start";
-  // Text that was published last.
-  std::string text_;
   ros::Publisher publisher_;
-  ros::ServiceServer service_;
 };
 
 }  // namespace polyfly_ros

@@ -24,12 +24,8 @@ class ReconfigureServer {
  public:
   /// Applies the values that the table holds; throws polyfly::Error to refuse them.
   using Apply = std::function<void()>;
-  /// A text that goes with every answer.
-  using Note = std::function<std::string()>;
-
-  /// Serves on the queue of `private_handle`. `note_name`: under which the note is shown, if there is one.
-  ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply,
-                    std::string note_name = "", Note note = {});
+  /// Serves on the queue of `private_handle`.
+  ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply);
 
   /// To be called when something else has changed the values.
   void hasChanged() noexcept { told_ = false; }
@@ -52,8 +48,6 @@ class ReconfigureServer {
   ros::NodeHandle handle_;
   OptionTable& table_;
   Apply apply_;
-  std::string note_name_;
-  Note note_;
   // Parameters that are not written to the master yet.
   std::set<std::string> changed_;
   // True when the values were published since they changed.

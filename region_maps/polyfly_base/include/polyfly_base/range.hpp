@@ -14,4 +14,10 @@ struct Range {
 /// Any admissible value at any time, of an option that may be as great as that.
 constexpr Range anyChange(double least, double greatest) { return {least, greatest, 1.0, greatest - least}; }
 
+/// An option of earlier versions, and what to use instead.
+struct RemovedOption {
+  const char* name;
+  const char* instead;
+};
+
 }  // namespace polyfly

@@ -61,7 +61,7 @@ class AttitudeTrim {
   static constexpr double kMost = 0.1;
 
   /// Finds no trim with options.trim_drift 0 or options.offset_free unset, then no gain and lag either, nor with
-  /// options.adapt_model unset; no coupling with options.coupling_drift 0. Throws Error when the model's times or gains are
+  /// options.adapt_model unset. Throws Error when the model's times or gains are
   /// not above 0.
   AttitudeTrim(const TiltModel& model, const MultirotorOptions& options);
 
@@ -119,9 +119,7 @@ class AttitudeTrim {
   double period_;  // [s]
   // Number of periods in which the trim has been within its bound.
   int within_ = 0;
-  double given_coupling_;
-  double coupling_drift_;
-  double coupling_;
+  double coupling_ = 0.0;
   // Variance of the coupling.
   double variance_;
   // Last measured angles.

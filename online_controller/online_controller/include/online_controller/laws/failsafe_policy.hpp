@@ -15,7 +15,7 @@ AttitudeCommand levelCommand(const MultirotorOptions& options, const TiltAngles&
 ///
 ///     hold_periods      the last command again                        kHoldLast
 ///     level_periods     level attitude, hover thrust                  kLevel
-///     descend_periods   level attitude, descend_thrust of hover       kDescend
+///     descend_periods   level attitude, 0.95 of hover thrust          kDescend
 ///     from then on      nothing                                       kStopped
 ///
 /// Without a command to hold it starts level. An answer ends it on any level. `trim` are the commands at which

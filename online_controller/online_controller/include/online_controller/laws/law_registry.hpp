@@ -22,16 +22,6 @@ struct MapSet {
   bool empty() const noexcept { return maps.empty(); }
 };
 
-/// A number that a law is tuned with.
-struct LawOption {
-  /// Name of the parameter, `group/name`.
-  const char* key;
-  /// Default.
-  double value;
-  const char* unit;
-  Range range;
-};
-
 /// What one law is made from. It may keep references to the maps alone.
 struct LawParts {
   const MultirotorOptions& controller;
@@ -40,8 +30,6 @@ struct LawParts {
   const std::array<MpcProblem, 3>& problems;
   /// The law's own maps; empty where it has none, or none were given.
   const MapSet& maps;
-  /// Values of LawType::options, in the same order.
-  const std::vector<double>& options;
 };
 
 /// A law that a multirotor can fly with.
@@ -56,9 +44,6 @@ struct LawType {
   const char* maps = nullptr;
   /// True: each of its maps must be that of a robust_mpc.
   bool robust_maps = false;
-
-  /// Its own options, beside those of the vehicle and of the problems.
-  std::vector<LawOption> options = {};
 };
 
 /// All laws: a line each in law_registry.cpp. A value of Law is a place in this list.
@@ -84,23 +69,7 @@ struct LawInputs {
   std::array<MpcProblem, 3> problems;
   /// Of each law; the laws keep references to them.
   const std::vector<MapSet>* maps = nullptr;
-  /// Of each law.
-  std::vector<std::vector<double>> options;
 };
-
-/// The defaults of LawType::options, for LawInputs::options.
-std::vector<std::vector<double>> defaultLawOptions(const std::vector<LawType>& types);
-
-/// Lists the laws' own options: visit(key, field, unit, range). `values` is of the form of defaultLawOptions().
-template <class Values, class Visit>
-void visitLawOptions(const std::vector<LawType>& types, Values& values, Visit&& visit) {
-  for (std::size_t i = 0; i < types.size(); ++i) {
-    for (std::size_t j = 0; j < types[i].options.size(); ++j) {
-      const LawOption& option = types[i].options[j];
-      visit(option.key, values[i][j], option.unit, option.range);
-    }
-  }
-}
 
 /// Every law that the inputs have what it needs for; `first` flies first. Throws Error naming what is missing or wrong.
 std::unique_ptr<LawSwitch> makeLaws(const std::vector<LawType>& types, const LawInputs& inputs, Law first);

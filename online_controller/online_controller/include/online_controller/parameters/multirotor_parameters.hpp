@@ -29,8 +29,6 @@ struct MultirotorParameters {
   std::string provenance;
   /// Of each law that has maps, in the order of lawTypes().
   MapPaths maps = MapPaths(lawTypes().size());
-  /// The laws' own options, in the same order.
-  std::vector<std::vector<double>> law_options = defaultLawOptions(lawTypes());
   AxisPaths problems;
   MultirotorOptions controller;
   NonlinearMpcOptions nonlinear;
@@ -61,7 +59,6 @@ void visitMultirotorParameters(Parameters& parameters, Visit&& visit) {
     if (lawTypes()[i].maps != nullptr) visitAxisPaths(lawTypes()[i].maps, parameters.maps[i], visit);
   }
   visitAxisPaths("problems", parameters.problems, visit);
-  visitLawOptions(lawTypes(), parameters.law_options, visit);
   visitOptions(parameters.controller, visit);
   visitNodeOptions(parameters.node, visit);
   visitLinearTuning(parameters.linear, visit);
@@ -71,6 +68,12 @@ void visitMultirotorParameters(Parameters& parameters, Visit&& visit) {
   visitJoyLayout(parameters.joy, visit);
   visitOutputOptions(parameters.output, visit);
 }
+
+/// Options of earlier versions.
+const std::vector<RemovedOption>& removedOptions();
+
+/// Throws Error where parameters contradict each other, or the thrust curve cannot be flown.
+void checkTogether(const MultirotorParameters& parameters);
 
 /// The parameters in a YAML file, by the rules of the node. Throws Error naming file, field and rule where the node
 /// would not start with them. It checks keys, types, ranges, limits that contradict each other, and the thrust curve.

@@ -13,17 +13,7 @@ struct FlightOptions {
   double takeoff_distance = 1.0;
   /// Duration of a take-off [s].
   double takeoff_time = 5.0;
-  /// Greatest error of the height at which a take-off is done [m].
-  double takeoff_tolerance = 0.1;
   double landing_speed = 0.5;  ///< [m/s]
-  /// Least height above the reference at which a landing vehicle counts as standing [m].
-  double touchdown_lag = 0.3;
-  /// Greatest vertical speed at which a landing vehicle counts as standing [m/s].
-  double touchdown_speed = 0.15;
-  /// Number of control periods for which a landing vehicle must stand until the touchdown.
-  int touchdown_periods = 50;
-  /// Deceleration with which a hold stops; it holds where that ends [m/s^2].
-  double brake = 2.0;
   /// Distance of the commanded position at full stick [m].
   double rc_teleop_max_carrot_distance_position = 1.0;
   /// Distance of the commanded yaw at full stick [rad].
@@ -48,13 +38,7 @@ template <class Options, class Visit>
 void visitFlightOptions(Options& options, Visit&& visit) {
   visit("control_interface/takeoff_distance", options.takeoff_distance, "m", Range{0.1, 1000.0});
   visit("control_interface/takeoff_time", options.takeoff_time, "s", Range{0.5, 1000.0});
-  visit("control_interface/takeoff_tolerance", options.takeoff_tolerance, "m", Range{0.01, 10.0});
   visit("control_interface/landing_speed", options.landing_speed, "m/s", Range{0.05, 5.0});
-  visit("control_interface/touchdown_lag", options.touchdown_lag, "m", Range{0.05, 2.0});
-  visit("control_interface/touchdown_speed", options.touchdown_speed, "m/s", Range{0.01, 1.0});
-  visit("control_interface/touchdown_periods", options.touchdown_periods, "control periods",
-        Range{1.0, 10000.0});
-  visit("control_interface/brake", options.brake, "m/s^2", Range{0.1, 20.0});
   visit("control_interface/rc_teleop_max_carrot_distance_position",
         options.rc_teleop_max_carrot_distance_position, "m", Range{0.0, 100.0});
   visit("control_interface/rc_teleop_max_carrot_distance_yaw", options.rc_teleop_max_carrot_distance_yaw,

@@ -63,8 +63,6 @@ void visitOutputOptions(Options& options, Visit&& visit) {
   visit("output/roll_pitch_yawrate_thrust", options.roll_pitch_yawrate_thrust);
   visit("output/attitude_target", options.attitude_target);
   visit("output/hover_thrust", options.thrust.hover_thrust, "", Range{0.01, 0.99});
-  visit("output/thrust_least", options.thrust.least, "", Range{0.0, 1.0});
-  visit("output/thrust_greatest", options.thrust.greatest, "", Range{0.0, 1.0});
   visit("output/thrust_polynomial", options.thrust.polynomial);
 }
 

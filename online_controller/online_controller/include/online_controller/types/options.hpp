@@ -17,8 +17,6 @@ struct ObserverNoise {
   double r_position = 2.5e-5;  ///< [m^2]
   double r_velocity = 4e-4;    ///< [m^2/s^2]
   double r_attitude = 1e-4;    ///< [rad^2]
-  /// Variance that mav_control_rw does not have, because it does not measure the rates [rad^2/s^2].
-  double r_angular_velocity = 2.5e-3;
 };
 
 template <class Noise, class Visit>
@@ -32,7 +30,6 @@ void visitObserverNoise(Noise& noise, Visit&& visit) {
   visit("KF_observer/r_position", noise.r_position, "m^2", measured);
   visit("KF_observer/r_velocity", noise.r_velocity, "m^2/s^2", measured);
   visit("KF_observer/r_attitude", noise.r_attitude, "rad^2", measured);
-  visit("KF_observer/r_angular_velocity", noise.r_angular_velocity, "rad^2/s^2", measured);
 }
 
 /// Constants of the vehicle and of the controller around the maps. The defaults are those of a Firefly.
@@ -64,11 +61,9 @@ struct MultirotorOptions {
   int hold_periods = 10;
   /// Control periods at hover thrust after hold_periods.
   int level_periods = 200;
-  /// Control periods at descend_thrust after level_periods; then nothing is sent.
+  /// Control periods at less than hover thrust after level_periods; then nothing is sent.
   int descend_periods = 800;
-  /// Thrust of the descent as a share of the hover thrust [1].
-  double descend_thrust = 0.95;
-  /// Greatest distance between two samples beyond what the velocities explain; 0: any [m].
+  /// Greatest distance between two samples beyond what the velocities explain; 0: any, and any turn [m].
   double jump_distance = 0.5;
   /// Greatest turn between two samples beyond what the body rates explain; 0: any [rad].
   double jump_angle = 1.0;
@@ -81,15 +76,11 @@ struct MultirotorOptions {
   /// delay that is not known matters more. The robust law has none [m/s^3].
   double disturbance_rate_drift = 0.0;
   /// Whether the laws find in flight by how much drag, gain and lag of the vehicle differ from their model. They
-  /// correct their references by that. Needs offset_free, gain and lag also trim_drift. The robust law does not.
+  /// correct their references by that. Needs offset_free. The robust law does not.
   bool adapt_model = true;
   ObserverNoise noise;
   /// Drift of the attitude's trim per control period; 0: only the given trim [rad].
   double trim_drift = 5e-4;
-  /// Coupling c of AttitudeTrim before it is estimated, 0 .. 1 [1].
-  double attitude_coupling = 0.0;
-  /// Drift of c per control period; 0: only the given coupling [1].
-  double coupling_drift = 0.005;
   /// Whether the disturbance estimate is used (Eq. 5-6).
   bool offset_free = true;
   /// Robust law: lag behind the observer of the constant part of the disturbance, which the targets then remove; 0: none
@@ -129,16 +120,11 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/hold_periods", options.hold_periods, "samples", Range{0.0, 1000.0, 10.0, 10.0});
   visit("controller/level_periods", options.level_periods, "samples", Range{0.0, 100000.0, 10.0, 200.0});
   visit("controller/descend_periods", options.descend_periods, "samples", Range{0.0, 1000000.0, 10.0, 800.0});
-  visit("controller/descend_thrust", options.descend_thrust, "1", Range{0.5, 1.0});
   visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6, 10.0, 0.5});
-  visit("controller/jump_angle", options.jump_angle, "rad", Range{0.0, 3.1415927, 10.0, 0.1});
   visit("controller/repeat_time", options.repeat_time, "s", Range{0.0, 10.0, 10.0, 0.05});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
   visit("controller/disturbance_rate_drift", options.disturbance_rate_drift, "m/s^3",
         Range{0.0, 10.0, 10.0, 0.03});
-  visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1, 10.0, 5e-4});
-  visit("controller/attitude_coupling", options.attitude_coupling, "1", anyChange(0.0, 1.0));
-  visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1, 10.0, 0.005});
   visit("controller/offset_free", options.offset_free);
   visit("controller/adapt_model", options.adapt_model);
   visit("controller/robust_estimate_time", options.robust_estimate_time, "s", Range{0.0, 100.0, 10.0, 2.0});

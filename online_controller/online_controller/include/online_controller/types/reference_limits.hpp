@@ -8,8 +8,6 @@ namespace polyfly {
 struct ReferenceLimits {
   /// Greatest distance of any point from the vehicle when the reference comes [m].
   double distance = 1000.0;
-  /// Greatest height of any point above or below the vehicle [m].
-  double height = 500.0;
   /// Greatest speed of a trajectory, at its points and midway between them [m/s].
   double speed = 30.0;
 };
@@ -18,7 +16,6 @@ struct ReferenceLimits {
 template <class Options, class Visit>
 void visitReferenceLimits(Options& options, Visit&& visit) {
   visit("reference_limits/distance", options.distance, "m", Range{0.1, 1e7});
-  visit("reference_limits/height", options.height, "m", Range{0.1, 1e7});
   visit("reference_limits/speed", options.speed, "m/s", Range{0.1, 1e7});
 }
 

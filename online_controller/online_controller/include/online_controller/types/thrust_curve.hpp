@@ -11,21 +11,16 @@ struct ThrustCurveOptions {
   std::vector<double> polynomial;
   /// Value with which the autopilot hovers, without a polynomial.
   double hover_thrust = 0.5;
-  /// Least value that is sent.
-  double least = 0.0;
-  /// Greatest value that is sent.
-  double greatest = 1.0;
 };
 
 /// Thrust in newtons to an autopilot's thrust.
 class ThrustCurve {
  public:
   /// `thrust_min`, `thrust_max` [N] are the limits of what the controller asks for, `hover` [N] the weight. Throws
-  /// Error for limits outside 0 to 1 or crossed. Also for a polynomial that does not increase over all that can be
-  /// asked for, or leaves the limits at hover.
+  /// Error for a polynomial that does not increase over all that can be asked for, or leaves 0 to 1 at hover.
   ThrustCurve(const ThrustCurveOptions& options, double thrust_min, double thrust_max, double hover);
 
-  /// Within the limits for every `thrust` [N]: the lower one without thrust and for NaN. A polynomial is
+  /// From 0 to 1 for every `thrust` [N]: 0 without thrust and for NaN. A polynomial is
   /// believed only where it was tested: beyond thrust_max its value there holds, below thrust_min none above
   /// that there.
   double operator()(double thrust) const noexcept;
@@ -37,8 +32,6 @@ class ThrustCurve {
   // Lower and upper end of the range in which the curve was tested [N].
   double begin_;
   double end_;
-  double least_;
-  double greatest_;
 };
 
 }  // namespace polyfly

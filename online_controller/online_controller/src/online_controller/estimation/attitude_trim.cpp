@@ -14,8 +14,9 @@ constexpr double kNoise = 0.01;
 
 constexpr int kMostPeriods = 1000000;
 
-// First and greatest variance of the coupling: the given one may be at the wrong end of 0 .. 1.
+// First and greatest variance of the coupling: 0 may be the wrong end of 0 .. 1. Its drift per control period.
 constexpr double kCouplingVariance = 1.0;
+constexpr double kCouplingDrift = 0.005;
 // Standard deviation of the noise of an angle's change in a period [rad].
 constexpr double kCouplingNoise = 0.003;
 
@@ -62,9 +63,6 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
     : model_(model),
       given_{options.roll_trim, options.pitch_trim},
       period_(options.control_period),
-      given_coupling_(options.attitude_coupling),
-      coupling_drift_(options.coupling_drift),
-      coupling_(given_coupling_),
       variance_(kCouplingVariance) {
   for (const double number : {model.roll_gain, model.roll_time, model.pitch_gain, model.pitch_time}) {
     if (!(number > 0.0)) throw Error("attitude trim: gain and time must be above 0");
@@ -96,7 +94,7 @@ void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, doubl
 
 void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& held, int periods,
                           const std::optional<FollowedTilt>& followed) noexcept {
-  if (coupling_drift_ > 0.0 && measured_ && periods == 1) learnCoupling(measured, held);
+  if (measured_ && periods == 1) learnCoupling(measured, held);
   if (loops_) {
     const TiltAngles turned = turn(last_, held.yaw_rate);
     const FollowedTilt wanted = inLoops(followed.value_or(FollowedTilt{}), held.yaw_rate);
@@ -163,7 +161,7 @@ void AttitudeTrim::learnCoupling(const TiltAngles& measured, const AttitudeComma
       measured.roll - last_.roll - roll_share * (model.roll_gain * (held.roll - trim.roll) - last_.roll),
       measured.pitch - last_.pitch -
           pitch_share * (model.pitch_gain * (held.pitch - trim.pitch) - last_.pitch)};
-  variance_ = std::min(variance_ + coupling_drift_ * coupling_drift_, kCouplingVariance);
+  variance_ = std::min(variance_ + kCouplingDrift * kCouplingDrift, kCouplingVariance);
   for (std::size_t i = 0; i < slopes.size(); ++i) {
     const double gain =
         variance_ * slopes[i] / (slopes[i] * slopes[i] * variance_ + kCouplingNoise * kCouplingNoise);
@@ -180,7 +178,7 @@ TiltAngles AttitudeTrim::added(const TiltAngles& tilt, double yaw_rate, double w
 }
 
 void AttitudeTrim::reset() noexcept {
-  coupling_ = given_coupling_;
+  coupling_ = 0.0;
   variance_ = kCouplingVariance;
   measured_ = false;
   within_ = 0;
@@ -201,10 +199,8 @@ void AttitudeTrim::forgetLoops() noexcept {
 void AttitudeTrim::transferState(const AttitudeTrim& other) noexcept {
   last_ = other.last_;
   measured_ = other.measured_;
-  if (coupling_drift_ > 0.0 && other.coupling_drift_ > 0.0) {
-    coupling_ = other.coupling_;
-    variance_ = other.variance_;
-  }
+  coupling_ = other.coupling_;
+  variance_ = other.variance_;
   if (!loops_ || !other.loops_) return;
   within_ = other.within_;
   for (std::size_t i = 0; i < loops_->size(); ++i) {

@@ -8,6 +8,9 @@
 namespace polyfly {
 namespace {
 
+// Standard deviation of a measured rate, which mav_control_rw does not measure [rad/s].
+constexpr double kRateNoise = 0.05;
+
 /// angle' = rate, rate' = stiffness angle + damping rate + gain u + moment.
 DisturbanceObserver makeLoop(double stiffness, double damping, double gain,
                              const MultirotorOptions& vehicle) {
@@ -21,7 +24,7 @@ DisturbanceObserver makeLoop(double stiffness, double damping, double gain,
   const ObserverNoise& noise = vehicle.noise;
   options.period = vehicle.control_period;
   options.process = {std::sqrt(noise.q_attitude), std::sqrt(noise.q_angular_velocity), 0.0, 0.0};
-  options.measurement = {std::sqrt(noise.r_attitude), std::sqrt(noise.r_angular_velocity), 1.0, 1.0};
+  options.measurement = {std::sqrt(noise.r_attitude), kRateNoise, 1.0, 1.0};
   options.disturbance = std::sqrt(noise.q_torque);
   return {problem, options};
 }

@@ -11,6 +11,15 @@ namespace polyfly {
 namespace {
 
 constexpr double kHoverSpeed = 0.3;  // [m/s]
+// Greatest error of the height at which a take-off is done [m].
+constexpr double kTakeOffTolerance = 0.1;
+// A landing vehicle stands where it is so far above its sinking reference [m], and no faster than that [m/s], for so many
+// control periods. An updraught that holds it up would look the same.
+constexpr double kTouchdownLag = 0.3;
+constexpr double kTouchdownSpeed = 0.15;
+constexpr int kTouchdownPeriods = 50;
+// Deceleration with which a hold stops; it holds where that ends [m/s^2].
+constexpr double kBrake = 2.0;
 // Time without odometry after which its next stamp may lie any time later [s].
 constexpr double kLongPause = 0.5;
 // Greatest number of references that a law made from other options may read.
@@ -120,7 +129,7 @@ void FlightSupervisor::startTask(FlightState task, FlightEvent cause) noexcept {
 // Where the vehicle comes to rest when it brakes from now on.
 Reference FlightSupervisor::stop() const noexcept {
   Reference reference;
-  reference.position = last_.position + last_.velocity * (0.5 * last_.velocity.norm() / options_.brake);
+  reference.position = last_.position + last_.velocity * (0.5 * last_.velocity.norm() / kBrake);
   reference.yaw = eulerAngles(last_.attitude.normalized()).yaw;
   return reference;
 }
@@ -241,7 +250,7 @@ void FlightSupervisor::watchTask(const VehicleState& state) noexcept {
       break;
     case FlightState::kTakeOff:
       if (state.stamp < ramp_.end()) break;
-      if (std::abs(above) <= options_.takeoff_tolerance) {
+      if (std::abs(above) <= kTakeOffTolerance) {
         if (after_takeoff_) {
           enter(*after_takeoff_,
                 *after_takeoff_ == FlightState::kTrajectory ? FlightEvent::kTrajectory : FlightEvent::kPose);
@@ -253,10 +262,9 @@ void FlightSupervisor::watchTask(const VehicleState& state) noexcept {
       }
       break;
     case FlightState::kLanding: {
-      const bool stands =
-          above >= options_.touchdown_lag && std::abs(state.velocity.z()) <= options_.touchdown_speed;
+      const bool stands = above >= kTouchdownLag && std::abs(state.velocity.z()) <= kTouchdownSpeed;
       standing_ = stands ? standing_ + 1 : 0;
-      if (standing_ >= options_.touchdown_periods) handle(FlightEvent::kTouchdown);
+      if (standing_ >= kTouchdownPeriods) handle(FlightEvent::kTouchdown);
       break;
     }
     case FlightState::kInactive:

@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace polyfly {
+namespace {
+
+// Thrust of the descent as a share of the hover thrust.
+constexpr double kDescendThrust = 0.95;
+
+}  // namespace
 
 FailsafePolicy::FailsafePolicy(const MultirotorOptions& options) : options_(options) {
   checkOptions(options);
@@ -30,7 +36,7 @@ ControlStatus FailsafePolicy::next(AttitudeCommand& command, const TiltAngles& t
   unanswered_ = std::min(unanswered_ + 1, descend_until + 1);
   if (unanswered_ <= options_.hold_periods) return ControlStatus::kHoldLast;
   has_command_ = false;
-  command = levelCommand(options_, trim, unanswered_ <= level_until ? 1.0 : options_.descend_thrust);
+  command = levelCommand(options_, trim, unanswered_ <= level_until ? 1.0 : kDescendThrust);
   if (unanswered_ <= level_until) return ControlStatus::kLevel;
   return unanswered_ <= descend_until ? ControlStatus::kDescend : ControlStatus::kStopped;
 }

@@ -61,22 +61,14 @@ std::vector<MapSet> openMaps(const std::vector<LawType>& types, const MapPaths& 
   return sets;
 }
 
-std::vector<std::vector<double>> defaultLawOptions(const std::vector<LawType>& types) {
-  std::vector<std::vector<double>> values(types.size());
-  for (std::size_t i = 0; i < types.size(); ++i) {
-    for (const LawOption& option : types[i].options) values[i].push_back(option.value);
-  }
-  return values;
-}
-
 std::unique_ptr<LawSwitch> makeLaws(const std::vector<LawType>& types, const LawInputs& inputs, Law first) {
   const auto first_place = static_cast<std::size_t>(first);
   static const MapSet kNoMaps;
   std::vector<std::unique_ptr<ControlLaw>> laws;
   for (std::size_t i = 0; i < types.size(); ++i) {
     const bool has_maps = inputs.maps != nullptr && i < inputs.maps->size();
-    laws.push_back(types[i].make({inputs.controller, inputs.nonlinear, inputs.problems,
-                                  has_maps ? (*inputs.maps)[i] : kNoMaps, inputs.options.at(i)}));
+    laws.push_back(types[i].make(
+        {inputs.controller, inputs.nonlinear, inputs.problems, has_maps ? (*inputs.maps)[i] : kNoMaps}));
   }
   if (laws.at(first_place) == nullptr) {
     throw Error(std::string("law: ") + types[first_place].name + " is not there to fly with");

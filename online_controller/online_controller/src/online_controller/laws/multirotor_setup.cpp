@@ -16,19 +16,12 @@ const RegionMap& given(const RegionMap* map, const AxisNames& names) {
   return *map;
 }
 
-Axis makeAxis(const std::array<const RegionMap*, 3>& maps, std::size_t axis,
-              const MultirotorOptions& options) {
-  return {given(maps[axis], kAxisNames[axis]), kAxisNames[axis], options};
-}
-
-Axis makeAxis(const std::array<const RegionMap*, 3>& maps, const std::array<MpcProblem, 3>& problems,
-              std::size_t axis, const MultirotorOptions& options) {
-  return {explicitAxisLaw(given(maps[axis], kAxisNames[axis]), problems[axis]), kAxisNames[axis], options};
-}
-
-const MultirotorOptions& checked(const MultirotorOptions& options) {
+/// Each axis with its law, `law_of(axis)`.
+template <class LawOf>
+std::array<Axis, 3> makeAxes(const MultirotorOptions& options, const LawOf& law_of) {
   checkOptions(options);
-  return options;
+  const auto axis = [&](std::size_t i) { return Axis(law_of(i), kAxisNames[i], options); };
+  return {axis(0), axis(1), axis(2)};
 }
 
 /// Sampling time of the axes' minimum-peak maps, 0 where there are none.
@@ -100,22 +93,25 @@ LawTiming timingOf(const std::array<Axis, 3>& axes) {
 
 MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
                                            const MultirotorOptions& options)
-    : MultirotorController(
-          {makeAxis(maps, 0, checked(options)), makeAxis(maps, 1, options), makeAxis(maps, 2, options)},
-          options) {}
+    : MultirotorController(makeAxes(options,
+                                    [&](std::size_t i) {
+                                      const RegionMap& map = given(maps[i], kAxisNames[i]);
+                                      return explicitAxisLaw(map, problemOf(map, kAxisNames[i].axis));
+                                    }),
+                           options) {}
 
 MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
                                            const std::array<MpcProblem, 3>& problems,
                                            const MultirotorOptions& options)
-    : MultirotorController({makeAxis(maps, problems, 0, checked(options)),
-                            makeAxis(maps, problems, 1, options), makeAxis(maps, problems, 2, options)},
+    : MultirotorController(makeAxes(options,
+                                    [&](std::size_t i) {
+                                      return explicitAxisLaw(given(maps[i], kAxisNames[i]), problems[i]);
+                                    }),
                            options) {}
 
 MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& problems,
                                            const MultirotorOptions& options)
-    : MultirotorController({Axis(onlineAxisLaw(problems[0]), kAxisNames[0], checked(options)),
-                            Axis(onlineAxisLaw(problems[1]), kAxisNames[1], options),
-                            Axis(onlineAxisLaw(problems[2]), kAxisNames[2], options)},
+    : MultirotorController(makeAxes(options, [&](std::size_t i) { return onlineAxisLaw(problems[i]); }),
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)

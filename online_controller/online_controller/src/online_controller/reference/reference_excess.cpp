@@ -9,7 +9,6 @@ namespace polyfly {
 namespace {
 
 constexpr const char* kDistance = "reference_limits/distance";
-constexpr const char* kHeight = "reference_limits/height";
 constexpr const char* kSpeed = "reference_limits/speed";
 
 }  // namespace
@@ -25,7 +24,6 @@ ReferenceExcess findExcess(const ReferenceTrajectory& trajectory, const Eigen::V
     if (vehicle != nullptr) {
       const Eigen::Vector3d way = samples[i].position - *vehicle;
       // Written so that NaN is too much.
-      if (!(std::abs(way.z()) <= limits.height)) return exceeds(kHeight, std::abs(way.z()), limits.height);
       if (!(way.norm() <= limits.distance)) return exceeds(kDistance, way.norm(), limits.distance);
     }
     if (pose) break;
@@ -49,8 +47,8 @@ std::string describe(const ReferenceExcess& excess) {
   if (excess.limit == kSpeed) {
     text << "asks for " << excess.value << " m/s, more than " << kSpeed << ", " << excess.most << " m/s";
   } else {
-    text << "lies " << excess.value << " m " << (excess.limit == kHeight ? "above or below" : "from")
-         << " the vehicle, more than " << excess.limit << ", " << excess.most << " m";
+    text << "lies " << excess.value << " m from the vehicle, more than " << kDistance << ", " << excess.most
+         << " m";
   }
   return text.str();
 }

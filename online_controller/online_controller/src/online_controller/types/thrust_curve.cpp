@@ -22,11 +22,7 @@ ThrustCurve::ThrustCurve(const ThrustCurveOptions& options, double thrust_min, d
                          double hover)
     : coefficients_(options.polynomial),
       begin_(options.polynomial.empty() ? 0.0 : thrust_min),
-      end_(options.polynomial.empty() ? std::numeric_limits<double>::infinity() : thrust_max),
-      least_(options.least),
-      greatest_(options.greatest) {
-  require(least_ >= 0.0 && greatest_ <= 1.0 && least_ < greatest_,
-          "limits must lie in [0, 1] and the lower one below the upper one");
+      end_(options.polynomial.empty() ? std::numeric_limits<double>::infinity() : thrust_max) {
   if (coefficients_.empty()) coefficients_ = {0.0, options.hover_thrust / hover};
   for (const double coefficient : coefficients_)
     require(std::isfinite(coefficient), "coefficients must be finite");
@@ -37,8 +33,8 @@ ThrustCurve::ThrustCurve(const ThrustCurveOptions& options, double thrust_min, d
                                          std::to_string(thrust_max) + " N, does not at " +
                                          std::to_string(from) + " N");
   }
-  require(value(hover) > least_ && value(hover) < greatest_,
-          "hover must lie within the limits, got " + std::to_string(value(hover)));
+  require(value(hover) > 0.0 && value(hover) < 1.0,
+          "hover must lie between 0 and 1, got " + std::to_string(value(hover)));
 }
 
 // By Horner's rule.
@@ -49,11 +45,11 @@ double ThrustCurve::value(double thrust) const noexcept {
 }
 
 double ThrustCurve::operator()(double thrust) const noexcept {
-  if (!(thrust > 0.0)) return least_;  // NaN too
+  if (!(thrust > 0.0)) return 0.0;  // NaN too
   double result = value(std::min(thrust, end_));
   if (thrust < begin_) result = std::min(result, value(begin_));
-  // Written so that NaN gives the lower limit.
-  return result > least_ ? std::min(result, greatest_) : least_;
+  // Written so that NaN gives 0.
+  return result > 0.0 ? std::min(result, 1.0) : 0.0;
 }
 
 }  // namespace polyfly
