@@ -23,7 +23,7 @@ int main() try {
     state.roll_rate = (guidance.update(input).roll_reference - state.roll) / lag;
     guidance.prepare();
     state.roll += options.period * state.roll_rate;
-    state.heading += options.period * options.model.gravity * std::tan(state.roll) / airspeed;
+    state.heading += options.period * polyfly::kGravity * std::tan(state.roll) / airspeed;
     state.position += options.period * state.ground_velocity;
   }
   std::printf("%.4f\n", std::abs(input.state.position.y()));

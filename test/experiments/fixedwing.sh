@@ -1,19 +1,9 @@
 # shellcheck shell=bash
 # The fixed wing over the chapter's box and Dubins sequence, in calm and in wind of half the airspeed, by the MPC and by
-# the usual guidance; beside recorded loiters where the reference data are at hand.
-recorded=("${POLYFLY_DATA:-../shared/data}"/reference_sim/*loiter*.csv)
-recordings=()
-for file in "${recorded[@]}"; do
-  if [ -s "$file" ]; then recordings+=(--recording "$file"); fi
-done
-# Logs of real aircraft, and the seconds in which the autopilot flew.
-for log in fw_px4_proto_flt09.csv,306,500 fw_umn_thor75.csv,240,530; do
-  file="${POLYFLY_DATA:-../shared/data}/flight_logs/$log"
-  if [ -s "${file%%,*}" ]; then recordings+=(--log "$file"); fi
-done
+# the usual guidance.
 rm -rf "$output"
 mkdir -p "$output/report"
-build/bin/fixedwing_figures --output "$output" "${recordings[@]}" > "$output/verdict.txt" || return
+build/bin/fixedwing_figures --output "$output" > "$output/verdict.txt" || return
 cat "$output/verdict.txt"
 
 # drawFlight NAME TITLE: path, distance, roll and roll rate of both laws.
@@ -47,48 +37,6 @@ plot "$output/$1_l1.csv" every ::1 using 1:7 with lines lc rgb "#1f77b4" title "
 PLOT
 }
 
-# drawLoiter NAME: a recorded loiter and ours.
-drawLoiter() {
-  gnuplot << PLOT
-set terminal svg size 640,600 font "sans,12" background "white"
-set output "$output/report/$1.svg"
-set datafile separator ","
-set grid lc rgb "#dddddd"
-set size ratio -1
-set xlabel "east [m]"
-set ylabel "north [m]"
-plot "$output/$1_path.csv" using 2:1 with lines lc rgb "#bbbbbb" lw 4 title "path", \
-     "$output/$1_recorded.csv" using 3:2 with lines lc rgb "#1f77b4" title "recorded", \
-     "$output/$1_mpc.csv" every ::1 using 3:2 with lines lc rgb "#d62728" lw 1.5 title "ours"
-PLOT
-}
-
-# drawLog NAME: the flown path, the roll that was flown and the one that the guidance asks for at each state.
-drawLog() {
-  gnuplot << PLOT
-set terminal svg size 1100,700 font "sans,12" background "white"
-set output "$output/report/$1.svg"
-set datafile separator ","
-set multiplot layout 2,2
-set grid lc rgb "#dddddd"
-set size ratio -1
-set xlabel "east [m]"
-set ylabel "north [m]"
-plot "$output/$1.csv" every ::1 using 3:2 with lines lc rgb "#1f77b4" title "flown"
-set size noratio
-set xlabel "time [s]"
-set ylabel "wind, as estimated [m/s]"
-plot "$output/$1.csv" every ::1 using 1:6 with lines title "north", "$output/$1.csv" every ::1 using 1:7 with lines title "east"
-set ylabel "roll [deg]"
-plot "$output/$1.csv" every ::1 using 1:4 with lines lc rgb "#1f77b4" title "flown", \
-     "$output/$1.csv" every ::1 using 1:5 with lines lc rgb "#d62728" title "asked for"
-set xlabel "roll flown half a second later [deg]"
-set ylabel "roll asked for [deg]"
-plot "< awk -F, 'NR > 1 {asked[NR] = \$5; flown[NR] = \$4; if (NR > 11) print asked[NR - 10] \",\" flown[NR]}' $output/$1.csv" \
-     using 2:1 with dots lc rgb "#d62728" notitle, x with lines lc rgb "#999999" notitle
-PLOT
-}
-
 pictures=()
 for figure in box dubins; do
   for air in calm wind; do
@@ -100,26 +48,12 @@ for figure in box dubins; do
 done
 drawFlight tight_wind "Dubins planned for calm, in wind: arcs and a loiter that cannot be flown" || return
 pictures+=(tight_wind)
-for file in "$output"/loiter_*_path.csv; do
-  [ -s "$file" ] || continue
-  name=$(basename "${file%_path.csv}")
-  drawLoiter "$name" || return
-  pictures+=("$name")
-done
-for file in "$output"/log_*.csv; do
-  [ -s "$file" ] || continue
-  name=$(basename "${file%.csv}")
-  drawLog "$name" || return
-  pictures+=("$name")
-done
 # captionOf NAME: what a picture shows, in a sentence.
 captionOf() {
   case $1 in
     *_six_dof) echo 'A rigid aircraft in six degrees of freedom, in gusts.' ;;
     *_rough) echo 'An aircraft that the controller does not know, in gusts.' ;;
     tight_wind) echo 'Turns planned for calm, in wind: they cannot be flown, and the roll is at its bound.' ;;
-    loiter_*) echo 'A recorded loiter in wind and ours: downwind the circle needs more roll than is allowed.' ;;
-    log_*) echo 'A flight of a real aircraft: the roll that was flown, and the one that the guidance asks for.' ;;
     *) echo 'The model that the controller predicts with.' ;;
   esac
 }

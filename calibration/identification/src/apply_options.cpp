@@ -61,20 +61,18 @@ void putParameters(const CalibrationDocument& calibration, Options* options) {
   }
 }
 
-void putRollLoop(const CalibrationDocument& calibration, bool delayed, Options* options) {
+void putRollLoop(const CalibrationDocument& calibration, Options* options) {
   if (!calibration.has({"axes", "roll"})) return;
-  const std::vector<std::string> place = {
-      "axes", "roll", delayed ? "model_second_order" : "model_second_order_without_delay"};
   for (const char* key : {"a0", "a1", "b0"})
-    options->put("model", key, calibration.supportedAbove0(place, key, ""));
-  if (!delayed) return;
-  options->put("guidance", "delay", calibration.supported(place, "delay"));
-  options->put("guidance", "applied_move", 0.0);
+    options->put("model", key,
+                 calibration.supportedAbove0({"axes", "roll", "model_second_order_without_delay"}, key, ""));
 }
 
 }  // namespace
 
 std::string optionsBlock(const OptionsTarget& target, const std::vector<CalibrationFile>& calibrations) {
+  if (target.vehicle == "fixed_wing" && target.predicts_delay)
+    throw Error("--predicts-delay: the guidance of a fixed_wing predicts without a delay; leave it out");
   Options options;
   std::vector<std::string> provenance;
   for (const CalibrationFile& file : calibrations) {
@@ -84,7 +82,7 @@ std::string optionsBlock(const OptionsTarget& target, const std::vector<Calibrat
     const bool attitude = calibration.kind() == "attitude";
     options.fields.clear();
     if (target.vehicle == "fixed_wing") {
-      if (attitude) putRollLoop(calibration, target.predicts_delay, &options);
+      if (attitude) putRollLoop(calibration, &options);
     } else if (attitude) {
       putLoops(calibration, target.predicts_delay, &options);
     } else {

@@ -23,6 +23,8 @@ constexpr double kWindow = 7.0;  // [s]
 struct Row {
   std::string name;
   LateralParameters parameters;
+  // Whether turns are planned by a roll rate.
+  bool bounds_deviation = false;
 };
 
 /// From the published options to those of a calibrated aircraft, one addition after the other.
@@ -31,8 +33,8 @@ std::vector<Row> configurations(double airspeed, const LateralModel& model) {
   LateralParameters parameters;
   parameters.guidance = publishedGuidance();
   parameters.tight_turns = "widen";
-  parameters.turn_deviation = 0.0;
-  const auto add = [&](const std::string& name) { rows.push_back({name, parameters}); };
+  bool bounds_deviation = false;
+  const auto add = [&](const std::string& name) { rows.push_back({name, parameters, bounds_deviation}); };
   GuidanceOptions& options = parameters.guidance;
   const GuidanceOptions shipped;
   add("published");
@@ -42,18 +44,18 @@ std::vector<Row> configurations(double airspeed, const LateralModel& model) {
   add("+ curvature of the motion in the Hessian");
   options.criterion.smooth_radius = shipped.criterion.smooth_radius;
   add("+ smooth junctions at 10 m");
-  options.wind_correction_time = shipped.wind_correction_time;
+  options.corrects_wind = true;
   add("+ wind corrected by the ground velocity");
-  options.learn_disturbance = true;
+  options.learns_disturbance = true;
   add("+ learnt roll bias, turn gain, turn bias");
-  options.choose_side = true;
+  options.chooses_side = true;
   options.limits.roll = shipped.limits.roll;
   add("+ turning side, roll bound");
   options.weights.airspeed = shipped.weights.airspeed;
-  options.safety.convergence = shipped.safety.convergence;
-  add("+ weights by airspeed, L1 as a fallback");
   options.airspeed_nominal = airspeed;
-  parameters.turn_deviation = LateralParameters{}.turn_deviation;
+  options.falls_back = true;
+  add("+ weights by airspeed, L1 as a fallback");
+  bounds_deviation = true;
   add("+ turns by a presumed roll rate");
   options.model = model;
   add("+ this aircraft's roll loop and rate, turns by them");
@@ -96,6 +98,7 @@ FlightMetrics fly(const Plant& plant, const Row& row, bool box, bool windy) {
   TurnPlan plan = turnPlanOf(parameters, learnt);
   // The figure belongs to the true airspeed, whatever the options have.
   plan.conditions.airspeed = plant.airspeed;
+  if (!row.bounds_deviation) plan.conditions.deviation = 0.0;
   const Mission mission = box ? boxFigure(size) : dubinsFigure(plan, size);
   GuidanceOptions options = parameters.guidance;
   // At a bisector it grows with the speed by itself.

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -18,11 +16,8 @@
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
 #include "fixedwing_plant/six_dof_aircraft.hpp"
-#include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
-#include "polyfly_base/read_line.hpp"
 #include "polyfly_base/write_file.hpp"
-#include "recorded_figures.hpp"
 
 namespace {
 
@@ -133,17 +128,8 @@ std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const 
 
 class Report {
  public:
-  /// The report of these files, none of which it may replace.
-  Report(const std::string& folder, const std::vector<std::string>& recordings,
-         const std::vector<std::string>& logs)
-      : folder_(folder), taken_(recordings) {
-    std::vector<Output> outputs = {{fileNamed("summary.json"), Output::Kind::kText, Output::Folder::kIsMade}};
-    for (const std::string& path : recordings) outputs.push_back({fileNamed(loiterName(path) + "_mpc.csv")});
-    for (const std::string& log : logs) {
-      outputs.push_back({fileNamed(logName(parseLog(log)))});
-      taken_.push_back(parseLog(log).path);
-    }
-    checkOutputs(outputs, taken_);
+  explicit Report(const std::string& folder) : folder_(folder) {
+    checkOutputs({{fileNamed("summary.json"), Output::Kind::kText, Output::Folder::kIsMade}}, {});
     makeFolder(folder);
   }
 
@@ -163,12 +149,6 @@ class Report {
       if (law == "mpc") addConvergence(name, segmentMetrics(mission.segments, samples, kSettle, kWindow));
     }
   }
-
-  /// A recorded loiter beside ours, from the same start in the same wind.
-  void addRecording(const std::string& path);
-
-  /// The guidance over a log of a real aircraft.
-  void addLog(const std::string& text);
 
   /// What each addition to the published configuration brings.
   void addAdditions() {
@@ -221,18 +201,12 @@ class Report {
            "<th>once converged [m]</th><th>overshoot [m]</th></tr>\n"
         << segments_.str() << "</table>\n"
         << "<h2>What each addition brings</h2>\n"
-        << additions_ << recordings_.str();
+        << additions_;
     write("tables.html", tables.str());
   }
 
  private:
   std::string fileNamed(const std::string& name) const { return folder_ + "/" + name; }
-  static std::string loiterName(const std::string& path) {
-    return "loiter_" + std::filesystem::path(path).stem().string();
-  }
-  static std::string logName(const RecordedLog& log) {
-    return "log_" + std::filesystem::path(log.path).stem().string() + ".csv";
-  }
 
   void write(const std::string& name, const std::string& text) {
     checkOutputs({{fileNamed(name)}}, taken_);
@@ -281,66 +255,9 @@ class Report {
   std::string folder_;
   std::vector<std::string> taken_;  // read already, or written
   nlohmann::json summary_;
-  std::ostringstream flights_, segments_, recordings_;
+  std::ostringstream flights_, segments_;
   std::string additions_;
 };
-
-void Report::addLog(const std::string& text) {
-  const RecordedLog log = parseLog(text);
-  const std::string name = std::filesystem::path(log.path).stem().string();
-  const ReplayedLog replayed = replayLog(log);
-  write(logName(log), replayed.csv);
-  const nlohmann::json& metrics = replayed.metrics;
-  summary_["logs"][name] = metrics;
-  recordings_ << "<p>" << name << ", open loop over " << metrics["samples"] << " states, "
-              << metrics["tracking"] << " answered by a horizon";
-  for (const auto& [key, value] : metrics.items())
-    if (value.is_number_float())
-      recordings_ << "; " << key << ' ' << std::round(1e6 * value.get<double>()) / 1e6;
-  recordings_ << "</p>\n";
-}
-
-void Report::addRecording(const std::string& path) {
-  constexpr double kRadius = 60.0;
-  const Vector2d wind(0.0, -10.0);
-  const Rows recorded = readCsv(path);
-  double turning = 0.0;  // positive: clockwise
-  for (std::size_t i = recorded.size() / 2; i + 1 < recorded.size(); ++i)
-    turning += recorded[i][1] * recorded[i + 1][2] - recorded[i][2] * recorded[i + 1][1];
-  const TurnDirection direction = turning > 0.0 ? TurnDirection::kRight : TurnDirection::kLeft;
-  const Mission mission = makeMission({LoiterCircle{{0.0, 0.0}, kRadius, direction}}, {}, "recording");
-  AircraftState start = startAt({recorded[0][1], recorded[0][2]});
-  start.roll = recorded[0][3];
-  start.heading = recorded[0][4];
-  ChapterAircraft aircraft(LateralModel{}, start, kAirspeed, wind);
-  LateralGuidance guidance(GuidanceOptions{}, "recording");
-  guidance.setMission(mission);
-  Sensors sensors({}, 1);
-  const auto samples = flyLaw(aircraft, sensors, lawOf(guidance), kPeriod, recorded.back()[0]);
-  Rows ours;
-  for (const FlightSample& sample : samples)
-    ours.push_back({sample.time, sample.truth.position.x(), sample.truth.position.y()});
-  const std::string name = std::filesystem::path(path).stem().string();
-  write(loiterName(path) + "_mpc.csv", flightCsv(mission.segments, samples));
-  write(loiterName(path) + "_path.csv", pathCsv(mission.segments));
-  std::ostringstream copy = table();
-  for (const std::vector<double>& row : recorded) copy << row[0] << ',' << row[1] << ',' << row[2] << '\n';
-  write(loiterName(path) + "_recorded.csv", copy.str());
-
-  const Spread theirs = spreadOf(recorded, kRadius);
-  const Spread mine = spreadOf(ours, kRadius);
-  summary_["recordings"][name] = {{"recorded_rms_m", theirs.rms},
-                                  {"recorded_largest_m", theirs.largest},
-                                  {"ours_rms_m", mine.rms},
-                                  {"ours_largest_m", mine.largest}};
-  char row[400];
-  std::snprintf(
-      row, sizeof row,
-      "<p>%s, after %.0f s: recorded rms %.2f m, largest %.2f m; ours rms %.2f m, largest %.2f m. In this "
-      "wind the circle asks for more roll than is allowed.</p>\n",
-      name.c_str(), kLoiterSettled, theirs.rms, theirs.largest, mine.rms, mine.largest);
-  recordings_ << row;
-}
 
 void Report::printVerdict() const {
   struct Bar {
@@ -370,22 +287,15 @@ void Report::printVerdict() const {
 int main(int argc, char** argv) {
   CLI::App app("Flies the figures of the fixed wing in simulated time.", "fixedwing_figures");
   std::string folder;
-  std::vector<std::string> recordings;
   app.add_option("-o,--output", folder, "folder for what was flown")->required();
-  app.add_option("--recording", recordings,
-                 "CSV of a loiter to fly beside: t, north, east, roll, heading, ...");
-  std::vector<std::string> logs;
-  app.add_option("--log", logs, "FILE,BEGIN,END: CSV of a real flight to replay open loop, and its part [s]");
   return runTool(app, argc, argv, [&] {
-    Report report(folder, recordings, logs);
+    Report report(folder);
     for (const std::string plant : {"model", "rough", "six_dof"}) {
       for (const std::string figure : {"box", "dubins"}) {
         for (const bool windy : {false, true}) report.add({figure, windy, plant});
       }
     }
     report.add({"tight", true, "model"});
-    for (const std::string& recording : recordings) report.addRecording(recording);
-    for (const std::string& log : logs) report.addLog(log);
     report.addAdditions();
     report.finish();
     report.printVerdict();

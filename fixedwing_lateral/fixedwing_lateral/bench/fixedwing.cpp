@@ -30,7 +30,7 @@ class Box {
   void fill(HorizonData& data) const {
     data.current = side(leg_);
     data.next = side(leg_ + 1);
-    data.conditions.gate = SwitchGate(data.current, SwitchCriterion{}, "bench");
+    data.conditions.gate = SwitchGate(data.current);
   }
   bool advance(const HorizonData& data, const LateralState& state) {
     const Eigen::Vector2d velocity = groundVelocity(data.conditions, state[LateralIndex::kHeading]);

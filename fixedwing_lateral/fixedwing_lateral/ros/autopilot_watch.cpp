@@ -6,9 +6,14 @@
 #include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
+namespace {
 
-AutopilotWatch::AutopilotWatch(const std::string& modes, double timeout, const std::string& key)
-    : timeout_(timeout) {
+// Age of a state after which it says nothing any more [s].
+constexpr double kTimeout = 3.0;
+
+}  // namespace
+
+AutopilotWatch::AutopilotWatch(const std::string& modes, const std::string& key) {
   std::istringstream list(modes);
   for (std::string mode; std::getline(list, mode, ',');) {
     mode.erase(std::remove(mode.begin(), mode.end(), ' '), mode.end());
@@ -18,7 +23,7 @@ AutopilotWatch::AutopilotWatch(const std::string& modes, double timeout, const s
 }
 
 bool AutopilotWatch::isRecent(double now) const noexcept {
-  return !state_.header.stamp.isZero() && std::abs(now - state_.header.stamp.toSec()) <= timeout_;
+  return !state_.header.stamp.isZero() && std::abs(now - state_.header.stamp.toSec()) <= kTimeout;
 }
 
 bool AutopilotWatch::isOurMode() const noexcept {

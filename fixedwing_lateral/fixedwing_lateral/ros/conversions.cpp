@@ -228,7 +228,6 @@ void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
   message.solver_status = static_cast<std::uint8_t>(output.nmpc.status);
   message.kkt = output.nmpc.kkt;
   message.cost = output.nmpc.cost;
-  message.iterations = output.nmpc.iterations;
   message.active_bounds = output.nmpc.active_bounds;
   message.restarted = output.restarted;
 }

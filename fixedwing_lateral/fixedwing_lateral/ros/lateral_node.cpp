@@ -17,6 +17,28 @@ constexpr double kLogInterval = 1.0;  // between two warnings [s]
 constexpr double kEarly = 0.25;       // share of the period by which odometry may come before its step is due
 constexpr double kLate = 0.5;         // share of the period after which a step is made without new odometry
 
+constexpr double kRateTimeout = 0.2;  // greatest age of an angular rate; after it the odometry's is used [s]
+
+/// Parameters that were removed, and what to use instead.
+std::vector<polyfly::RemovedOption> removedParameters() {
+  std::vector<polyfly::RemovedOption> removed = {
+      {"guidance/turn_gain", "the gain is learnt within a minute"},
+      {"guidance/delay", "model/a1 of 'calibrate apply' includes the delay"},
+      {"output/stream_in_standby", "input/watch_autopilot streams the present roll in standby"}};
+  for (const char* name : {"weights/feedforward", "weights/curvature", "path/smooth_radius",
+                           "path/switch_at_bisector", "path/choose_side", "guidance/wind_correction_time",
+                           "guidance/learn_disturbance", "safety/convergence_turns"})
+    removed.push_back({name, "guidance/as_published: true takes off all additions"});
+  for (const char* name :
+       {"model/gravity", "model/switch_rate", "model/switch_threshold", "limits/roll_penalty",
+        "path/course_tolerance", "path/turn_share", "path/turn_deviation", "guidance/time_budget",
+        "guidance/iterations", "guidance/kkt_tolerance", "guidance/applied_move", "safety/hysteresis",
+        "safety/jump_patience", "safety/upwind_gain", "safety/convergence_time", "input/autopilot_timeout",
+        "input/imu_timeout"})
+    removed.push_back({name, "it has a fixed value, so leave it out"});
+  return removed;
+}
+
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
@@ -40,8 +62,7 @@ LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle)
   Setup setup;
   ParameterReader reader(private_handle);
   polyfly::visitLateralParameters(setup, reader);
-  reader.refuseRemoved(
-      {{"guidance/time_budget", "guidance/iterations makes more than one, whatever the time"}});
+  reader.refuseRemoved(removedParameters());
   reader.refuseUnknown({polyfly::kLateralGroups.begin(), polyfly::kLateralGroups.end()});
   polyfly::finishParameters(&setup, private_handle.getNamespace());
   return setup;
@@ -64,8 +85,7 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
       in_force_(onQueue(private_handle, queue_), "fixed_wing",
                 [this](polyfly::OptionsText& text) { writeInForce(text); }),
       diagnostics_(handle, private_handle, private_handle.getNamespace()),
-      autopilot_(setup.engaged_modes, setup.autopilot_timeout,
-                 private_handle.getNamespace() + "/input/engaged_modes"),
+      autopilot_(setup.engaged_modes, private_handle.getNamespace() + "/input/engaged_modes"),
       engaged_(!setup.require_engaged),
       time_(ros::Time::isSimTime()) {
   shown_.reason = polyfly::GuidanceReason::kNone;
@@ -131,7 +151,7 @@ void LateralNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   if (first) checkEarlyMission();
   altitude_ = message->pose.pose.position.z;
   input_.state = toAircraftState(*message);
-  const bool has_rate = std::abs(secondsBetween(imu_stamp_, message->header.stamp)) <= setup_.imu_timeout;
+  const bool has_rate = std::abs(secondsBetween(imu_stamp_, message->header.stamp)) <= kRateTimeout;
   if (has_rate) input_.state.roll_rate = imu_rate_;
   const double period = setup_.guidance.period;
   if (next_ - now > 2.0 * period) next_ = now;  // simulated time began anew
@@ -240,7 +260,7 @@ void LateralNode::step(double now) {
 void LateralNode::publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header) {
   // Nothing that the autopilot might take for a command while it does not follow; but some autopilots begin
   // to follow only where set-points come in already, and get the roll that is flown.
-  if (output.mode == polyfly::GuidanceMode::kStandby && !setup_.stream_in_standby) return;
+  if (output.mode == polyfly::GuidanceMode::kStandby && !setup_.watch_autopilot) return;
   const auto twist = boost::make_shared<geometry_msgs::TwistStamped>();
   twist->header = header;
   fillTwist(output.roll_reference, *twist);

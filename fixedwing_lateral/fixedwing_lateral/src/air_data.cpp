@@ -8,6 +8,8 @@ namespace {
 
 // Time constant of the filter on the wind from ground velocity [s].
 constexpr double kAssumedWindTime = 3.0;
+// Time in which the wind follows the difference of ground and air velocity [s].
+constexpr double kCorrectionTime = 0.3;
 // Least airspeed that the model receives [m/s].
 constexpr double kLeastAirspeed = 1.0;
 
@@ -20,7 +22,7 @@ bool isRecent(double stamp, double time, double timeout) noexcept {
 AirData::AirData(const GuidanceOptions& options)
     : safety_(options.safety),
       nominal_(options.airspeed_nominal),
-      correction_time_(options.wind_correction_time),
+      correction_time_(options.corrects_wind ? kCorrectionTime : 0.0),
       airspeed_(options.airspeed_nominal) {}
 
 void AirData::update(double time, const StampedAirspeed& airspeed, const StampedWind& wind,
@@ -28,7 +30,7 @@ void AirData::update(double time, const StampedAirspeed& airspeed, const Stamped
   airspeed_assumed_ = !std::isfinite(airspeed.value) || airspeed.value < 0.0 ||
                       !isRecent(airspeed.stamp, time, safety_.airspeed_timeout);
   const double speed = airspeed_assumed_ ? nominal_ : airspeed.value;
-  slow_ = speed < safety_.airspeed_min * (slow_ ? 1.0 + safety_.hysteresis : 1.0);
+  slow_ = speed < safety_.airspeed_min * (slow_ ? 1.0 + kHysteresis : 1.0);
   airspeed_ = std::max(speed, kLeastAirspeed);
 
   const double elapsed = std::max(0.0, time - last_time_);
@@ -44,7 +46,7 @@ void AirData::update(double time, const StampedAirspeed& airspeed, const Stamped
   }
   wind_ = estimate_ + correction_;
   const double strong = safety_.wind_share_max * airspeed_;
-  windy_ = wind_.norm() > strong * (windy_ ? 1.0 - safety_.hysteresis : 1.0);
+  windy_ = wind_.norm() > strong * (windy_ ? 1.0 - kHysteresis : 1.0);
 }
 
 }  // namespace polyfly

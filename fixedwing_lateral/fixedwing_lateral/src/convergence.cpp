@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fixedwing_lateral/model.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -17,21 +19,17 @@ void ConvergenceWatch::restart() noexcept {
   without_progress_ = 0.0;
 }
 
-void ConvergenceWatch::update(const TrackError& error, const TurnAbility& ability,
-                              const ConvergenceOptions& options, double elapsed) noexcept {
-  const double speed = std::max(ability.speed, kSlowest);
-  const double acceleration = ability.gravity * std::tan(ability.roll);
+void ConvergenceWatch::update(const TrackError& error, double ground_speed, double roll,
+                              double elapsed) noexcept {
+  const double speed = std::max(ground_speed, kSlowest);
+  const double acceleration = kGravity * std::tan(roll);
   const double course = error.course_defined ? error.course : 0.0;
   const double offset = std::abs(error.track) + speed * speed / acceleration * (1.0 - std::cos(course));
-  const double room = options.near_time * speed;
+  const double room = kNear * speed;
   is_near_ = offset <= room;
   const bool progress = is_near_ || offset < best_ - room;
   if (progress) best_ = offset;
-  if (!(options.turns > 0.0)) {
-    without_progress_ = near_ = 0.0;
-    return;
-  }
-  const double share = elapsed * acceleration / (2.0 * kPi * speed * options.turns);
+  const double share = elapsed * acceleration / (2.0 * kPi * speed * kTurns);
   without_progress_ = progress ? 0.0 : without_progress_ + share;
   near_ = is_near_ ? near_ + share : 0.0;
 }

@@ -22,6 +22,12 @@ constexpr double kFastest = 20.0;
 constexpr double kSteepest = 80.0 / 180.0 * kPi;
 // Rate of heading and roll that is allowed between two states [rad/s].
 constexpr double kTurnRate = 0.5;
+// Time after which a new position is accepted [s].
+constexpr double kJumpPatience = 0.5;
+// Heading rate per heading error in the turn into the wind [1/s].
+constexpr double kUpwindGain = 0.6;
+// Index of the move that is flown: the second, as published.
+constexpr int kAppliedMove = 1;
 // Ground speed below which a state may repeat itself [m/s].
 constexpr double kStandingSpeed = 1.0;
 
@@ -35,24 +41,20 @@ bool isFinite(const AircraftState& state) noexcept {
 
 void checkGuidance(const GuidanceOptions& options, const std::string& where) {
   visitGuidance(options, RangeCheck{where});
-  if (options.delay > 0.0 && options.applied_move != 0)
-    throw Error(where +
-                ": guidance/delay: the second move is for a step later already; set applied_move to 0");
 }
 
 LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::string& where)
     : options_((checkGuidance(options, where), options)),
       air_(options),
-      observer_(options.model, options.turn_gain),
-      scaled_airspeed_(options.airspeed_nominal),
-      nmpc_(options.model, options.horizon, where),
+      observer_(options.model),
+      scaling_(scalingAt(options.airspeed_nominal, options.weights, options.horizon, options.model)),
+      nmpc_(options.model, {options.horizon.horizon, scaling_.step}, where),
       kept_moves_(options.horizon.horizon) {
-  output_.turn_gain = options.turn_gain;
-  rescale();
+  setWeights();
 }
 
 void LateralGuidance::setMission(Mission mission) {
-  track_ = MissionTrack(std::move(mission), options_.criterion, "mission");
+  track_ = MissionTrack(std::move(mission), options_.criterion);
   beginSegment(Reversal::kNone);
   trustOptimisation();
   needs_restart_ = true;
@@ -67,11 +69,15 @@ void LateralGuidance::clearMission() { track_ = MissionTrack(); }
 
 void LateralGuidance::setTuning(const LateralWeights& weights, const LateralLimits& limits,
                                 const SafetyOptions& safety) noexcept {
+  const double airspeed = options_.weights.airspeed;
   options_.weights = weights;
+  options_.weights.airspeed = airspeed;
   options_.limits = limits;
   options_.safety = safety;
   air_.setSafety(safety);
-  rescale();
+  scaling_ = scalingAt(options_.airspeed_nominal, options_.weights, options_.horizon, options_.model);
+  setWeights();
+  prepared_ = false;
   trustOptimisation();
 }
 
@@ -91,21 +97,14 @@ void LateralGuidance::shapeCorner(const AircraftState& state) noexcept {
   for (int i = 0; i < 2; ++i)
     track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
   junction_ = Junction{};
-  if (!options_.choose_side || track_.gate().isBisected()) return;
+  if (!options_.chooses_side || track_.gate().isBisected()) return;
   const PathPoint place{state.position, state.ground_velocity.normalized()};
-  const SteadyTurn turn{air_.airspeed(), options_.model.gravity * std::tan(roll), air_.wind(), place};
+  const SteadyTurn turn{air_.airspeed(), kGravity * std::tan(roll), air_.wind(), place};
   junction_ = junctionOf(track_.current(), track_.next(), turn, options_.criterion.acceptance_radius);
 }
 
-// The horizon begins anew where its step changes.
-void LateralGuidance::rescale() noexcept {
-  scaling_ = scalingAt(scaled_airspeed_.value(), options_.weights, options_.horizon, options_.model);
-  if (scaling_.step != nmpc_.stepDuration()) {
-    nmpc_.setStep(scaling_.step);
-    needs_restart_ = true;
-  }
+void LateralGuidance::setWeights() noexcept {
   nmpc_.setTuning(scaledWeights(options_.weights, scaling_, nmpc_.largestTrackError()), options_.limits);
-  prepared_ = false;
 }
 
 const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexcept {
@@ -124,7 +123,6 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   output_.wind = air_.wind();
   const double elapsed = std::max(0.0, input.time - last_time_);
   last_time_ = input.time;
-  if (!air_.airspeedAssumed() && scaled_airspeed_.update(air_.airspeed(), elapsed)) rescale();
   learn(input);
   shapeCorner(state);
   if (track_.advance(state.position, state.ground_velocity, falls_back_)) {
@@ -163,7 +161,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
                                   : air_.windAssumed()   ? GuidanceReason::kWindAssumed
                                   : too_steep_           ? GuidanceReason::kTooSteep
                                                          : GuidanceReason::kNone;
-    command(GuidanceMode::kTracking, reason, nmpc_.moves()[options_.applied_move]);
+    command(GuidanceMode::kTracking, reason, nmpc_.moves()[kAppliedMove]);
   } else {
     needs_restart_ = true;
     output_.reason = GuidanceReason::kSolver;
@@ -215,7 +213,7 @@ bool LateralGuidance::hasJumped(const AircraftState& state) noexcept {
     if (turned || (state.position - expected).norm() > safety.jump_distance) {
       if (!jumping_) jump_since_ = state.stamp;
       jumping_ = true;
-      if (turned || state.stamp - jump_since_ < safety.jump_patience) return true;
+      if (turned || state.stamp - jump_since_ < kJumpPatience) return true;
     }
   }
   needs_restart_ = needs_restart_ || jumping_;
@@ -226,7 +224,9 @@ bool LateralGuidance::hasJumped(const AircraftState& state) noexcept {
 }
 
 bool LateralGuidance::solve(const GuidanceInput& input) noexcept {
-  const LateralState state = predicted(input.state);
+  LateralState state;
+  state << input.state.position.x(), input.state.position.y(), input.state.roll, input.state.heading,
+      input.state.roll_rate, 0.0;
   const double age = input.time - horizon_time_;
   if (needs_restart_ || !(age >= 0.0 && age <= kHorizonLife)) restart(state);
   for (int attempt = 0; attempt < 2; ++attempt) {
@@ -236,22 +236,10 @@ bool LateralGuidance::solve(const GuidanceInput& input) noexcept {
     }
     prepared_ = false;
     output_.nmpc = nmpc_.feedback(state);
-    if (options_.iterations > 1 && output_.nmpc.status == QpStatus::kOptimal) {
-      const int first = output_.nmpc.iterations;
-      output_.nmpc = nmpc_.iterate(data_, state, options_.iterations - 1, options_.kkt_tolerance);
-      output_.nmpc.iterations += first;
-    }
     if (output_.nmpc.hasMoves()) return true;
     restart(state);
   }
   return false;
-}
-
-LateralState LateralGuidance::predicted(const AircraftState& state) const noexcept {
-  LateralState now;
-  now << state.position.x(), state.position.y(), state.roll, state.heading, state.roll_rate, 0.0;
-  if (options_.delay <= 0.0) return now;
-  return integrate(options_.model, presentConditions(), now, {output_.roll_reference, options_.delay});
 }
 
 // All but the gate.
@@ -275,15 +263,15 @@ void LateralGuidance::checkSegment(const AircraftState& state) noexcept {
     output_.error = trackError(nearest, state.position, state.ground_velocity);
     chooseReversal(state);
     const LateralConditions conditions = presentConditions();
-    output_.segment_roll = steepestRoll(track_.current(), state.position, conditions, options_.model.gravity);
+    output_.segment_roll = steepestRoll(track_.current(), state.position, conditions);
   }
   const double limit = options_.limits.roll_reference;
-  too_steep_ = output_.segment_roll > limit * (too_steep_ ? 1.0 - options_.safety.hysteresis : 1.0);
+  too_steep_ = output_.segment_roll > limit * (too_steep_ ? 1.0 - kHysteresis : 1.0);
 }
 
 // By the error that the optimisation sees.
 void LateralGuidance::chooseReversal(const AircraftState& state) noexcept {
-  if (!options_.choose_side) return;
+  if (!options_.chooses_side) return;
   const PathPoint nearest = closestOnCarrier(track_.current(), state.position).point;
   const TrackError error = trackError(nearest, state.position, state.ground_velocity);
   const Reversal before = reversal_.chosen();
@@ -293,7 +281,7 @@ void LateralGuidance::chooseReversal(const AircraftState& state) noexcept {
 
 // From the reference of the call before, if the autopilot followed it.
 void LateralGuidance::learn(const GuidanceInput& input) noexcept {
-  if (!options_.learn_disturbance) return;
+  if (!options_.learns_disturbance) return;
   if (output_.mode == GuidanceMode::kStandby || !input.engaged || air_.airspeedAssumed())
     observer_.interrupt();
   observer_.update(input.state, air_.airspeed(), output_.roll_reference);
@@ -308,8 +296,7 @@ void LateralGuidance::fillData() noexcept {
   data_.current = track_.current();
   data_.next = junction_.is_shown ? track_.next() : track_.current();
   data_.reversal = reversal_.chosen();
-  if (scaling_.scale > 1.0)
-    nmpc_.setTuning(scaledWeights(options_.weights, scaling_, nmpc_.largestTrackError()), options_.limits);
+  if (scaling_.scale > 1.0) setWeights();
   data_.next_reversal = track_.isLoitering() || !junction_.is_shown ? data_.reversal : Reversal::kNone;
 }
 
@@ -328,7 +315,7 @@ void LateralGuidance::keepHorizon(double time) noexcept {
 void LateralGuidance::holdOrLevel(double time) noexcept {
   const double since = time - horizon_time_;
   if (since >= 0.0 && since <= options_.safety.hold_time) {
-    const int later = options_.applied_move + static_cast<int>(since / nmpc_.stepDuration());
+    const int later = kAppliedMove + static_cast<int>(since / nmpc_.stepDuration());
     if (later < nmpc_.horizon()) {
       command(GuidanceMode::kHoldHorizon, output_.reason, kept_moves_[later]);
       return;
@@ -340,13 +327,12 @@ void LateralGuidance::holdOrLevel(double time) noexcept {
 // A segment that cannot be flown is not left by a fault of the optimisation. After a pause, or another pilot, the aircraft
 // may be anywhere, so the comparison begins anew.
 void LateralGuidance::watchConvergence(const AircraftState& state, double elapsed) noexcept {
-  if (track_.empty() || too_steep_ || air_.isSlow() || air_.isWindy() || elapsed > kHorizonLife) {
+  if (!options_.falls_back || track_.empty() || too_steep_ || air_.isSlow() || air_.isWindy() ||
+      elapsed > kHorizonLife) {
     convergence_.restart();
     return;
   }
-  const TurnAbility ability{state.ground_velocity.norm(), options_.limits.roll_reference,
-                            options_.model.gravity};
-  convergence_.update(output_.error, ability, options_.safety.convergence, elapsed);
+  convergence_.update(output_.error, state.ground_velocity.norm(), options_.limits.roll_reference, elapsed);
   if (!falls_back_ && convergence_.withoutProgress() > 1.0) {
     falls_back_ = true;
   } else if (falls_back_ && convergence_.near() > probation_) {
@@ -358,7 +344,6 @@ void LateralGuidance::watchConvergence(const AircraftState& state, double elapse
 
 double LateralGuidance::fallbackReference(const AircraftState& state) const noexcept {
   L1Options l1;
-  l1.gravity = options_.model.gravity;
   l1.roll_limit = options_.limits.roll_reference;
   l1.period = std::max(l1.period, leastL1Period(air_.airspeed(), l1));
   return l1RollReference(track_.current(), state.position, state.ground_velocity, l1);
@@ -367,9 +352,9 @@ double LateralGuidance::fallbackReference(const AircraftState& state) const noex
 // Towards the heading against the wind, by a coordinated turn at a rate in proportion.
 double LateralGuidance::upwindReference(double heading) const noexcept {
   const double against = std::atan2(-air_.wind().y(), -air_.wind().x());
-  const double rate = options_.safety.upwind_gain * wrapCourse(against - heading);
+  const double rate = kUpwindGain * wrapCourse(against - heading);
   const double limit = options_.limits.roll_reference;
-  return std::clamp(std::atan(air_.airspeed() * rate / options_.model.gravity), -limit, limit);
+  return std::clamp(std::atan(air_.airspeed() * rate / kGravity), -limit, limit);
 }
 
 void LateralGuidance::command(GuidanceMode mode, GuidanceReason reason, double roll_reference) noexcept {

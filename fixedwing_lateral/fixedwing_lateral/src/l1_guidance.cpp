@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "fixedwing_lateral/model.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -33,15 +35,15 @@ double l1RollReference(const PathSegment& segment, const Eigen::Vector2d& positi
       wrapCourse(std::atan2(aim.y(), aim.x()) - std::atan2(ground_velocity.y(), ground_velocity.x())),
       -kPi / 2.0, kPi / 2.0);
   const double acceleration = 2.0 * speed * speed / distance * std::sin(eta);
-  return std::clamp(std::atan(acceleration / options.gravity), -options.roll_limit, options.roll_limit);
+  return std::clamp(std::atan(acceleration / kGravity), -options.roll_limit, options.roll_limit);
 }
 
 double leastL1Period(double ground_speed, const L1Options& options) noexcept {
-  return kPi * ground_speed / (options.damping * options.gravity * std::tan(options.roll_limit));
+  return kPi * ground_speed / (options.damping * kGravity * std::tan(options.roll_limit));
 }
 
 L1Guidance::L1Guidance(Mission mission, const SwitchCriterion& criterion, const L1Options& options)
-    : track_(std::move(mission), criterion, "L1"), options_(options) {}
+    : track_(std::move(mission), criterion), options_(options) {}
 
 GuidanceOutput L1Guidance::update(const GuidanceInput& input) noexcept {
   const Eigen::Vector2d& position = input.state.position;

@@ -47,13 +47,6 @@ void LateralNmpc::setTuning(const LateralWeights& weights, const LateralLimits& 
   }
 }
 
-void LateralNmpc::setStep(double step) noexcept {
-  step_ = step;
-  shooting_ = RollShooting(model_, step);
-  qp_.roll = shooting_.transition();
-  prepared_ = false;
-}
-
 void LateralNmpc::reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept {
   const double held = std::clamp(roll_reference, -limits_.roll_reference, limits_.roll_reference);
   std::fill(moves_.begin(), moves_.end(), held);
@@ -89,7 +82,7 @@ bool LateralNmpc::prepare(const HorizonData& data) noexcept {
 }
 
 void LateralNmpc::linearise(const HorizonData& data) noexcept {
-  const TrackingCost tracking(model_, data, weights_);
+  const TrackingCost tracking(data, weights_);
   cost_ = 0.0;
   largest_track_error_ = 0.0;
   HorizonStage* stages = qp_.stages();
@@ -140,7 +133,6 @@ void LateralNmpc::setBounds() noexcept {
     const double roll = nodes_[k + 1][Index::kRoll];
     rolls[k] = {-limits_.roll - roll, limits_.roll - roll};
   }
-  qp_.rho = limits_.roll_penalty;
 }
 
 // The gradient of the Lagrangian by the moves, at the nodes and with the roll bounds' last multipliers; where
@@ -188,7 +180,6 @@ NmpcReport LateralNmpc::feedback(const LateralState& state) noexcept {
   for (int i = 0; i < kStates; ++i) deviation[i] = state[kOrder[i]] - nodes_[0][kOrder[i]];
   deviation[2] = std::remainder(deviation[2], kTurn);
   report.status = qp_.solve(deviation);
-  report.iterations = 1;
   report.active_bounds = qp_.activeCount();
   if (!report.hasMoves()) return report;
   nodes_[0][Index::kSwitch] = state[Index::kSwitch];
@@ -206,23 +197,6 @@ void LateralNmpc::takeStep() noexcept {
       nodes_[k + 1][Index::kSwitch] = nodes_[k][Index::kSwitch] + switch_rise_[k];
     }
   }
-}
-
-NmpcReport LateralNmpc::iterate(const HorizonData& data, const LateralState& state, int most,
-                                double tolerance) noexcept {
-  NmpcReport report;
-  for (int i = 0; i < std::max(most, 1); ++i) {
-    prepare(data);
-    if (i > 0 && kkt_ < tolerance) {
-      report.kkt = kkt_;
-      report.cost = cost_;
-      break;
-    }
-    report = feedback(state);
-    report.iterations = i + 1;
-    if (!report.hasMoves()) break;
-  }
-  return report;
 }
 
 }  // namespace polyfly

@@ -37,8 +37,8 @@ GainBiasOptions turnOptions() noexcept {
 
 }  // namespace
 
-GainBiasFilter::GainBiasFilter(const GainBiasOptions& options, double gain) noexcept
-    : options_(options), estimate_(gain, 0.0), covariance_(Eigen::Matrix2d::Zero()) {
+GainBiasFilter::GainBiasFilter(const GainBiasOptions& options) noexcept
+    : options_(options), estimate_(1.0, 0.0), covariance_(Eigen::Matrix2d::Zero()) {
   covariance_(0, 0) = options.gain_deviation * options.gain_deviation;
   covariance_(1, 1) = options.bias_deviation * options.bias_deviation;
 }
@@ -66,8 +66,8 @@ void GainBiasFilter::update(double x, double y, double elapsed) noexcept {
   estimate_[1] = std::clamp(estimate_[1], -options_.bias_most, options_.bias_most);
 }
 
-LateralObserver::LateralObserver(const LateralModel& model, double turn_gain) noexcept
-    : model_(model), roll_(rollOptions()), turn_(turnOptions(), turn_gain) {}
+LateralObserver::LateralObserver(const LateralModel& model) noexcept
+    : model_(model), roll_(rollOptions()), turn_(turnOptions()) {}
 
 void LateralObserver::update(const AircraftState& state, double airspeed, double roll_reference) noexcept {
   const double elapsed = state.stamp - stamp_;
@@ -78,7 +78,7 @@ void LateralObserver::update(const AircraftState& state, double airspeed, double
     turned_ += wrapCourse(state.heading - heading_);
     roll_integral_ += 0.5 * elapsed * (roll_angle_ + state.roll);
     reference_integral_ += elapsed * roll_reference;
-    turn_integral_ += elapsed * model_.gravity * tangent / airspeed;
+    turn_integral_ += elapsed * kGravity * tangent / airspeed;
   }
   has_last_ = true;
   stamp_ = state.stamp;

@@ -9,12 +9,21 @@
 #include "polyfly_base/options_text.hpp"
 
 namespace polyfly {
+namespace {
+
+// Share of the roll reference's limit that turns may use; the rest is for gusts.
+constexpr double kTurnShare = 0.9;
+// Greatest deviation from the path where a turn follows another one [m].
+constexpr double kTurnDeviation = 1.5;
+
+}  // namespace
 
 void finishParameters(LateralParameters* parameters, const std::string& where) {
   if (parameters->loiter_direction == 0)
     throw Error(where + ": path/loiter_direction: must be 1 (right) or -1 (left)");
   parameters->guidance.loiter.direction =
       parameters->loiter_direction > 0 ? TurnDirection::kRight : TurnDirection::kLeft;
+  if (parameters->as_published) removeAdditions(parameters->guidance);
   tightTurnsOf(parameters->tight_turns, where + ": path/tight_turns");
   checkGuidance(parameters->guidance, where);
 }
@@ -29,15 +38,14 @@ TurnPlan turnPlanOf(const LateralParameters& parameters, const GuidanceOutput& p
   plan.tight = tightTurnsOf(parameters.tight_turns, "path/tight_turns");
   plan.conditions.airspeed = guidance.airspeed_nominal;
   plan.conditions.wind_speed = std::max(parameters.wind_expected, present.wind.norm());
-  plan.conditions.roll = parameters.turn_share * roll;
-  plan.conditions.gravity = guidance.model.gravity;
+  plan.conditions.roll = kTurnShare * roll;
   plan.conditions.turn_gain = present.turn_gain;
   plan.conditions.turn_bias = std::abs(present.turn_bias);
   plan.conditions.is_rate_presumed = !(guidance.model.roll_rate_max > 0.0);
   plan.conditions.roll_rate = plan.conditions.is_rate_presumed ? presumedRollRate(guidance.airspeed_nominal)
                                                                : guidance.model.roll_rate_max;
   plan.conditions.roll_variance = rollVariance(guidance.model);
-  plan.conditions.deviation = parameters.turn_deviation;
+  plan.conditions.deviation = kTurnDeviation;
   return plan;
 }
 

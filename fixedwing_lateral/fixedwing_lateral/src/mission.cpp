@@ -90,16 +90,15 @@ Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterO
   return mission;
 }
 
-MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where)
+MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion)
     : mission_(std::move(mission)), near_radius_(kNearShare * criterion.acceptance_radius) {
   gates_.reserve(mission_.segments.size());
   for (std::size_t i = 0; i < mission_.segments.size(); ++i) {
-    SwitchCriterion here = criterion;
+    double radius = criterion.acceptance_radius;
     Onward onward;
     if (i + 1 < mission_.segments.size()) onward = onwardOf(mission_.segments[i], mission_.segments[i + 1]);
-    if (onward.is_smooth)
-      here.acceptance_radius = std::min(criterion.acceptance_radius, criterion.smooth_radius);
-    gates_.emplace_back(mission_.segments[i], here, where);
+    if (onward.is_smooth) radius = std::min(radius, criterion.smooth_radius);
+    gates_.emplace_back(mission_.segments[i], radius);
     if (criterion.at_bisector && onward.joins && !onward.is_smooth) {
       gates_.back().bisect(onward.direction, roomOf(mission_.segments[i], mission_.segments[i + 1]));
     }

@@ -48,7 +48,7 @@ ShootingResult RollShooting::shoot(const LateralConditions& conditions, const La
   const double p = state[Index::kRollRate];
   const double psi = state[Index::kHeading];
   const double input = roll_reference + conditions.roll_bias;
-  const double turn = conditions.turn_gain * model_.gravity / conditions.airspeed;  // psi' by tan(phi)
+  const double turn = conditions.turn_gain * kGravity / conditions.airspeed;  // psi' by tan(phi)
   const double half = 0.5 * step_;
 
   std::array<double, 4> rate{};   // psi' at the stages
@@ -106,7 +106,7 @@ ShootingResult RollShooting::shoot(const LateralConditions& conditions, const La
 double RollShooting::switchRise(const LateralConditions& conditions, const LateralState& state,
                                 const std::array<double, 4>& cosines,
                                 const std::array<double, 4>& sines) const noexcept {
-  if (hasSwitched(model_, state)) return step_ * model_.switch_rate;
+  if (hasSwitched(state)) return step_ * kSwitchRate;
   const Eigen::Vector2d position = state.head<2>();
   const double farthest = step_ * (conditions.airspeed + conditions.wind.norm());
   if (conditions.gate.isOutOfReach(position, farthest)) return 0.0;
@@ -117,9 +117,9 @@ double RollShooting::switchRise(const LateralConditions& conditions, const Later
     const double time = kStageTime[i] * step_;
     const Eigen::Vector2d place = position + time * velocity;
     velocity = conditions.airspeed * Eigen::Vector2d(cosines[i], sines[i]) + conditions.wind;
-    const bool switching = state[Index::kSwitch] + time * rate > model_.switch_threshold ||
-                           conditions.gate.isMet(place, velocity);
-    rate = switching ? model_.switch_rate : 0.0;
+    const bool switching =
+        state[Index::kSwitch] + time * rate > kSwitchThreshold || conditions.gate.isMet(place, velocity);
+    rate = switching ? kSwitchRate : 0.0;
     rise += kStageWeight[i] * step_ * rate;
   }
   return rise;

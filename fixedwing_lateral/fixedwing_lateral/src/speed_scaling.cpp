@@ -14,10 +14,6 @@ constexpr double kLeastStiffness = 1e-9;
 constexpr double kLeadShare = 0.5;
 // Exponent of the full weight's fall with the error.
 constexpr double kFall = 4.0 / 3.0;
-// Time constant of the mean airspeed [s].
-constexpr double kMeanTime = 5.0;
-// Change of the mean airspeed that the scale follows, as a share of the airspeed in use.
-constexpr double kChange = 0.25;
 
 }  // namespace
 
@@ -50,7 +46,7 @@ LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& 
 CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& conditions, double scaled_airspeed,
                           const LateralModel& model) noexcept {
   CornerShape shape;
-  const double acceleration = model.gravity * std::tan(conditions.roll);  // in the steepest turn
+  const double acceleration = kGravity * std::tan(conditions.roll);  // in the steepest turn
   const double speed = std::max(0.0, conditions.airspeed + gate.cornerDirection().dot(conditions.wind));
   const double greatest = conditions.airspeed + conditions.wind.norm();
   if (scaled_airspeed > 0.0) {
@@ -68,14 +64,6 @@ CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& condit
       speed * speed / acceleration * gate.cornerAngle() + speed * (model.a1 / model.a0 - conditions.horizon);
   shape.lead = kLeadShare * std::max(0.0, unseen);
   return shape;
-}
-
-bool ScaledAirspeed::update(double airspeed, double elapsed) noexcept {
-  mean_ = has_first_ ? mean_ + std::min(1.0, elapsed / kMeanTime) * (airspeed - mean_) : airspeed;
-  has_first_ = true;
-  if (std::abs(mean_ - scaled_) <= kChange * scaled_) return false;
-  scaled_ = mean_;
-  return true;
 }
 
 }  // namespace polyfly

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "polyfly_base/error.hpp"
-
 namespace polyfly {
 namespace {
 
+const double kLeastCourseCosine = std::cos(kCourseTolerance);
 // Greatest rest of the segment at a switch, in acceptance radii.
 constexpr double kLongestRest = kPi / 2.0;
 // A bisected corner stays so up to this radius, in shares of the room.
@@ -15,17 +14,10 @@ constexpr double kMostRoom = 1.5;
 
 }  // namespace
 
-SwitchGate::SwitchGate(const PathSegment& segment, const SwitchCriterion& criterion, const std::string& where)
+SwitchGate::SwitchGate(const PathSegment& segment, double acceptance_radius)
     : can_open_(!std::holds_alternative<LoiterCircle>(segment)),
       segment_(segment),
-      acceptance_radius_(criterion.acceptance_radius),
-      least_course_cosine_(std::cos(criterion.course_tolerance)) {
-  if (!std::isfinite(criterion.acceptance_radius) || criterion.acceptance_radius <= 0.0)
-    throw Error(where + ": acceptance_radius: must be positive, got " +
-                std::to_string(criterion.acceptance_radius));
-  if (!(criterion.course_tolerance > 0.0 && criterion.course_tolerance < kPi))
-    throw Error(where + ": course_tolerance: must lie between 0 and pi, got " +
-                std::to_string(criterion.course_tolerance));
+      acceptance_radius_(acceptance_radius) {
   if (can_open_) end_ = pointAt(segment, length(segment));
 }
 
@@ -40,7 +32,7 @@ void SwitchGate::bisect(const Eigen::Vector2d& onward, double room) noexcept {
   const double half = 0.5 * corner_angle_;
   between_ = (end_.tangent + onward).normalized();
   widening_ = 1.0 / std::cos(half);
-  least_corner_cosine_ = std::cos(std::min(kPi, std::acos(least_course_cosine_) + half));
+  least_corner_cosine_ = std::cos(std::min(kPi, kCourseTolerance + half));
   fits_ = radius() <= room_;
 }
 
@@ -69,7 +61,7 @@ bool SwitchGate::isMetAsPublished(const Eigen::Vector2d& position,
   if (!((position - end_.position).norm() < publishedRadius())) return false;
   const double speed = ground_velocity.norm();
   if (!(speed >= kLeastGroundSpeed)) return false;
-  if (!(end_.tangent.dot(ground_velocity) > least_course_cosine_ * speed)) return false;
+  if (!(end_.tangent.dot(ground_velocity) > kLeastCourseCosine * speed)) return false;
   return closestPoint(segment_, position).remaining <= kLongestRest * publishedRadius();
 }
 

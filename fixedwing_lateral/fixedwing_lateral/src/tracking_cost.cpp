@@ -23,7 +23,7 @@ const PathSegment& TrackingCost::segmentAt(const LateralState& state,
   const SwitchGate& gate = data_.conditions.gate;
   const Eigen::Vector2d position = state.head<2>();
   const bool switched =
-      hasSwitched(model_, state) || (!gate.isOutOfReach(position, 0.0) && gate.isMet(position, velocity));
+      hasSwitched(state) || (!gate.isOutOfReach(position, 0.0) && gate.isMet(position, velocity));
   return switched ? data_.next : data_.current;
 }
 
@@ -43,7 +43,7 @@ double TrackingCost::rollAlong(const ClosestPoint& nearest, double track, const 
   const double curvature = nearest.curvature / std::max(1.0 - nearest.curvature * track, kLeastCentreShare);
   const double speed = velocity.norm();
   const double crab = speed > kLeastGroundSpeed ? velocity.dot(air) / (speed * conditions.airspeed) : 1.0;
-  return rollOfTurn(curvature, speed, std::max(crab, kLeastCrabCosine), conditions, model_.gravity);
+  return rollOfTurn(curvature, speed, std::max(crab, kLeastCrabCosine), conditions);
 }
 
 StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stage) const noexcept {

@@ -43,16 +43,14 @@ double largestCurvature(const PathSegment& segment) {
 
 /// With the speed and the crab angle of a flight along the course. Upwind there may be no such flight: the
 /// ground speed is 0 then, and no roll is asked for.
-double rollAlongCourse(double curvature, double course, const LateralConditions& conditions,
-                       double gravity) noexcept {
+double rollAlongCourse(double curvature, double course, const LateralConditions& conditions) noexcept {
   const Vector2d along(std::cos(course), std::sin(course));
   const double with = conditions.wind.dot(along);
   const double across =
       (conditions.wind.y() * along.x() - conditions.wind.x() * along.y()) / conditions.airspeed;
   if (std::abs(across) >= 1.0) return kPi / 2.0;
   const double cosine = std::sqrt(1.0 - across * across);
-  return rollOfTurn(curvature, std::max(0.0, conditions.airspeed * cosine + with), cosine, conditions,
-                    gravity);
+  return rollOfTurn(curvature, std::max(0.0, conditions.airspeed * cosine + with), cosine, conditions);
 }
 
 /// Of the courses of an arc the one nearest to the direction that the wind blows to [rad].
@@ -79,7 +77,7 @@ double rollOfCurvature(double curvature, const TurnConditions& conditions) noexc
   if (curvature == 0.0) return 0.0;
   const double fastest = conditions.airspeed + conditions.wind_speed;
   const double turning = fastest * fastest * std::abs(curvature) + conditions.airspeed * conditions.turn_bias;
-  return std::copysign(std::atan(turning / (conditions.gravity * conditions.turn_gain)), curvature);
+  return std::copysign(std::atan(turning / (kGravity * conditions.turn_gain)), curvature);
 }
 
 bool isSmooth(const PathSegment& segment, const PathSegment& next) {
@@ -110,7 +108,6 @@ void checkTurns(const TurnConditions& conditions, const std::string& where) {
         "be at least 0 and below the airspeed");
   check("roll", conditions.roll, conditions.roll > 0.0 && conditions.roll < kPi / 2.0,
         "lie between 0 and pi/2");
-  check("gravity", conditions.gravity, conditions.gravity > 0.0, "be positive");
   check("turn_gain", conditions.turn_gain, conditions.turn_gain > 0.0, "be positive");
   check("turn_bias", conditions.turn_bias, conditions.turn_bias >= 0.0, "be at least 0");
   check("roll_rate", conditions.roll_rate, conditions.roll_rate >= 0.0, "be at least 0");
@@ -128,7 +125,7 @@ double rollVariance(const LateralModel& model) noexcept {
 }
 
 double deviationOf(double from, double to, const TurnConditions& conditions) noexcept {
-  const double jump = conditions.gravity * conditions.turn_gain * std::abs(std::tan(to) - std::tan(from));
+  const double jump = kGravity * conditions.turn_gain * std::abs(std::tan(to) - std::tan(from));
   double variance = conditions.roll_variance;
   if (conditions.roll_rate > 0.0) {
     const double ramp = (to - from) / conditions.roll_rate;
@@ -154,7 +151,7 @@ double plannedRoll(const TurnConditions& conditions) noexcept {
 double leastRadius(const TurnConditions& conditions) noexcept {
   if (!(conditions.wind_speed < conditions.airspeed)) return std::numeric_limits<double>::infinity();
   const double fastest = conditions.airspeed + conditions.wind_speed;
-  const double turning = conditions.gravity * conditions.turn_gain * std::tan(plannedRoll(conditions)) -
+  const double turning = kGravity * conditions.turn_gain * std::tan(plannedRoll(conditions)) -
                          conditions.airspeed * conditions.turn_bias;
   return turning > 0.0 ? fastest * fastest / turning : std::numeric_limits<double>::infinity();
 }
@@ -166,8 +163,8 @@ double steepestRoll(const PathSegment& segment, const TurnConditions& conditions
   return rollOfCurvature(curvature, conditions);
 }
 
-double steepestRoll(const PathSegment& segment, const Vector2d& position, const LateralConditions& conditions,
-                    double gravity) noexcept {
+double steepestRoll(const PathSegment& segment, const Vector2d& position,
+                    const LateralConditions& conditions) noexcept {
   if (std::holds_alternative<LineSegment>(segment)) return 0.0;
   const double downwind = std::atan2(conditions.wind.y(), conditions.wind.x());
   double curvature = 0.0;
@@ -183,7 +180,7 @@ double steepestRoll(const PathSegment& segment, const Vector2d& position, const 
     course = std::atan2(nearest.point.tangent.y(), nearest.point.tangent.x());
   }
   if (curvature == 0.0) return 0.0;
-  return std::abs(rollAlongCourse(curvature, course, conditions, gravity));
+  return std::abs(rollAlongCourse(curvature, course, conditions));
 }
 
 std::vector<SteepSegment> steepSegments(const std::vector<PathSegment>& segments,

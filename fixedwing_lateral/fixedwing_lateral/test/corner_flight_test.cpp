@@ -53,7 +53,9 @@ double rmsOf(const Mission& mission, const Vector2d& wind, const LateralLaw& law
 }
 
 double rmsByDefaults(const Mission& mission, const Vector2d& wind) {
-  LateralGuidance guidance(GuidanceOptions{}, "test");
+  GuidanceOptions options;
+  options.airspeed_nominal = kFast;
+  LateralGuidance guidance(options, "test");
   guidance.setMission(mission);
   return rmsOf(mission, wind, lawOf(guidance));
 }

@@ -268,12 +268,9 @@ TEST_F(Failsafe, FollowsTheRollWhileAnotherModeFliesAndBeginsAnewAfterwards) {
 
 TEST_F(Failsafe, BeginsAnewWhereTheOptimisationFailsThenHoldsTheLastHorizon) {
   fly(1.0);
-  SafetyOptions trusting;
-  trusting.jump_patience = 0.0;
-  guidance_.setTuning(defaultWeights(), LateralLimits{}, trusting);
-  // Finite numbers whose squares are not: only the optimisation can notice.
+  // Finite numbers whose squares are not: a jump that is believed in the end, so only the optimisation can notice.
   const auto overflow = [](GuidanceInput& input) { input.state.position.y() = 1e200; };
-  GuidanceOutput output = flyWith(0.04, overflow);
+  GuidanceOutput output = flyWith(0.6, overflow);
   EXPECT_EQ(output.mode, GuidanceMode::kHoldHorizon);
   EXPECT_EQ(output.reason, GuidanceReason::kSolver);
   EXPECT_TRUE(output.restarted);
@@ -325,31 +322,8 @@ TEST(GuidanceOptions, AreChecked) {
   options.period = 0.0;
   EXPECT_THROW(LateralGuidance(options, "here"), Error);
   options = {};
-  options.delay = 0.1;  // with the second move: counted twice
-  EXPECT_THROW(LateralGuidance(options, "here"), Error);
-  options.applied_move = 0;
-  EXPECT_NO_THROW(LateralGuidance(options, "here"));
   options.safety.wind_share_max = 1.5;
   EXPECT_THROW(LateralGuidance(options, "here"), Error);
-}
-
-TEST(GuidanceOptions, FirstMoveWithDelayAndMoreIterationsFlyToo) {
-  GuidanceOptions options;
-  options.applied_move = 0;
-  options.delay = 0.1;
-  options.iterations = 5;
-  options.kkt_tolerance = 1e-6;
-  LateralGuidance guidance(options, "test");
-  guidance.setMission(missionThrough({{0.0, 0.0}, {4000.0, 0.0}}, {}, "test"));
-  RoughOptions rough;
-  PerturbedAircraft aircraft(rough, start(), 1);
-  Sensors sensors({}, 1);
-  const auto samples = flyLaw(aircraft, sensors, lawOf(guidance), options.period, 40.0);
-  EXPECT_LT(std::abs(samples.back().output.error.track), 2.0);
-  EXPECT_LE(samples.back().output.nmpc.iterations, 5);
-  int most = 0;
-  for (const FlightSample& sample : samples) most = std::max(most, sample.output.nmpc.iterations);
-  EXPECT_GT(most, 1);
 }
 
 }  // namespace

@@ -51,13 +51,11 @@ TEST(Mission, RefusesWhatCannotBeFlown) {
 }
 
 TEST(MissionTrack, CutsCornersAndDoesNotCutSmoothJunctions) {
-  MissionTrack corner(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion,
-                      "test");
+  MissionTrack corner(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion);
   EXPECT_FALSE(corner.advance({164.0, 0.0}, kNorthward));
   EXPECT_TRUE(corner.advance({166.0, 0.0}, kNorthward));
   EXPECT_EQ(corner.index(), 1);
-  MissionTrack straight(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {400.0, 0.0}}, {}, "test"), kCriterion,
-                        "test");
+  MissionTrack straight(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {400.0, 0.0}}, {}, "test"), kCriterion);
   EXPECT_FALSE(straight.advance({189.0, 0.0}, kNorthward));
   EXPECT_TRUE(straight.advance({191.0, 0.0}, kNorthward));
 }
@@ -67,7 +65,7 @@ TEST(MissionTrack, SwitchesCornersAtTheirBisectorWhereThatIsAskedFor) {
   criterion.at_bisector = true;
   MissionTrack track(
       missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}, {0.0, 210.0}, {0.0, 410.0}}, {}, "test"),
-      criterion, "test");
+      criterion);
   EXPECT_FALSE(track.advance({166.0, 0.0}, kNorthward));
   EXPECT_FALSE(track.advance({190.0, 9.0}, kNorthward));
   EXPECT_TRUE(track.advance({190.0, 11.0}, kNorthward));
@@ -81,8 +79,7 @@ TEST(MissionTrack, SwitchesCornersAtTheirBisectorWhereThatIsAskedFor) {
 }
 
 TEST(MissionTrack, GoesOnWhereALineLiesBehind) {
-  MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion,
-                     "test");
+  MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion);
   EXPECT_FALSE(track.advance({190.0, 80.0}, kNorthward));  // far beside
   EXPECT_TRUE(track.advance({201.0, 80.0}, kNorthward));
   EXPECT_EQ(track.index(), 1);
@@ -91,8 +88,7 @@ TEST(MissionTrack, GoesOnWhereALineLiesBehind) {
 
 TEST(MissionTrack, GoesOnWhereTheEndOfAnArcWasPassedBeside) {
   const ArcSegment arc{{0.0, 0.0}, 100.0, TurnDirection::kRight, 0.0, 4.0};
-  MissionTrack track(makeMission({arc, LineSegment{{0.0, 0.0}, {500.0, 0.0}}}, {}, "test"), kCriterion,
-                     "test");
+  MissionTrack track(makeMission({arc, LineSegment{{0.0, 0.0}, {500.0, 0.0}}}, {}, "test"), kCriterion);
   const auto at = [](double bearing) {
     return Vector2d(200.0 * std::cos(bearing), 200.0 * std::sin(bearing));
   };
@@ -109,7 +105,7 @@ TEST(MissionTrack, GoesOnWhereTheEndOfAnArcWasPassedBeside) {
 
 TEST(MissionTrack, StaysOnItsLoiter) {
   MissionTrack track(makeMission({LoiterCircle{{0.0, 0.0}, 50.0, TurnDirection::kRight}}, {}, "test"),
-                     kCriterion, "test");
+                     kCriterion);
   EXPECT_TRUE(track.isLoitering());
   for (int i = 0; i < 100; ++i)
     EXPECT_FALSE(track.advance({50.0 * std::cos(i), 50.0 * std::sin(i)}, kNorthward));
@@ -122,7 +118,7 @@ TEST(MissionTrack, StaysOnItsLoiter) {
 // It comes near the end twice, across it, and leaves again.
 TEST(MissionTrack, GoesOnWhereAnEndWasMissedTwice) {
   const ArcSegment arc{{0.0, 0.0}, 30.0, TurnDirection::kRight, 0.0, 1.0};
-  MissionTrack track(makeMission({arc}, {}, "test"), kCriterion, "test");
+  MissionTrack track(makeMission({arc}, {}, "test"), kCriterion);
   const Vector2d westward(0.0, -14.0);
   for (int pass = 0; pass < 2; ++pass) {
     EXPECT_FALSE(track.advance({16.0, 150.0}, westward));
@@ -138,7 +134,7 @@ TEST(MissionTrack, GoesOnWhereAFasterAircraftMissedAnEndTwice) {
   const ArcSegment arc{{0.0, 0.0}, scale * 30.0, TurnDirection::kRight, 0.0, 1.0};
   const Vector2d westward(0.0, -52.0);
   for (const bool is_scaled : {false, true}) {
-    MissionTrack track(makeMission({arc}, {}, "test"), kCriterion, "test");
+    MissionTrack track(makeMission({arc}, {}, "test"), kCriterion);
     if (is_scaled) track.setNearScale(scale);
     for (int pass = 0; pass < 2; ++pass) {
       EXPECT_FALSE(track.advance(scale * Vector2d(16.0, 150.0), westward));
@@ -149,7 +145,7 @@ TEST(MissionTrack, GoesOnWhereAFasterAircraftMissedAnEndTwice) {
 }
 
 TEST(MissionTrack, WaitsForANumber) {
-  MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}}, {}, "test"), kCriterion, "test");
+  MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}}, {}, "test"), kCriterion);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(track.advance({kNan, 0.0}, kNorthward));
   EXPECT_FALSE(track.advance({0.0, 0.0}, {kNan, kNan}));

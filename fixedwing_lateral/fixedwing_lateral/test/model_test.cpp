@@ -1,4 +1,4 @@
-// The model against differences, closed forms and an integration of its own.
+// The model against closed forms and an integration of its own.
 #include "fixedwing_lateral/model.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 #include <string>
 
 #include "polyfly_base/error.hpp"
@@ -17,90 +16,6 @@ namespace {
 
 using namespace polyfly;
 using Index = LateralIndex;
-
-constexpr int kSamples = 500;
-constexpr double kDifference = 1e-5;           // step of the central differences
-constexpr double kDifferenceTolerance = 1e-7;  // relative: they cancel digits
-
-struct Sample {
-  LateralConditions conditions;
-  LateralState state;
-  double roll_reference;
-};
-
-class Sampler {
- public:
-  explicit Sampler(unsigned seed) : random_(seed) {}
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  Sample sample() {
-    Sample made;
-    made.conditions.airspeed = between(9.0, 25.0);
-    made.conditions.wind = {between(-12.0, 12.0), between(-12.0, 12.0)};
-    made.conditions.roll_bias = between(-0.05, 0.05);
-    made.conditions.turn_gain = between(0.8, 1.2);
-    made.conditions.turn_bias = between(-0.03, 0.03);
-    made.state << between(-300, 300), between(-300, 300), between(-0.8, 0.8), between(-10, 10),
-        between(-2, 2), between(0.0, 1.0);
-    made.roll_reference = between(-0.7, 0.7);
-    return made;
-  }
-
- private:
-  std::mt19937 random_;
-};
-
-// A function of state and roll reference.
-using Function = std::function<LateralState(const LateralState&, double)>;
-
-void expectJacobian(const LateralJacobian& jacobian, const Function& function, const Sample& at) {
-  for (int column = 0; column <= Index::kSize; ++column) {
-    std::array<LateralState, 2> values;
-    for (int side = 0; side < 2; ++side) {
-      const double change = side == 0 ? -kDifference : kDifference;
-      LateralState state = at.state;
-      double input = at.roll_reference;
-      (column < Index::kSize ? state[column] : input) += change;
-      values[static_cast<std::size_t>(side)] = function(state, input);
-    }
-    const LateralState expected = (values[1] - values[0]) / (2.0 * kDifference);
-    const LateralState got =
-        column < Index::kSize ? LateralState(jacobian.state.col(column)) : jacobian.input;
-    for (int row = 0; row < Index::kSize; ++row)
-      EXPECT_NEAR(got[row], expected[row], kDifferenceTolerance * (1.0 + std::abs(expected[row])))
-          << "row " << row << ", column " << column;
-  }
-}
-
-TEST(LateralModel, DerivativesOfTheRateAreThoseOfDifferences) {
-  const LateralModel model;
-  Sampler sampler(1);
-  for (int i = 0; i < kSamples; ++i) {
-    const Sample at = sampler.sample();
-    const auto rate = [&](const LateralState& state, double input) {
-      return lateralRate(model, at.conditions, state, input);
-    };
-    expectJacobian(lateralRateJacobian(model, at.conditions, at.state), rate, at);
-  }
-}
-
-TEST(LateralModel, DerivativesOfTheStepAreThoseOfDifferences) {
-  const LateralModel model;
-  Sampler sampler(2);
-  for (int i = 0; i < kSamples; ++i) {
-    const Sample at = sampler.sample();
-    const double duration = sampler.between(0.01, 0.2);
-    const auto step = [&](const LateralState& state, double input) {
-      return integrate(model, at.conditions, state, {input, duration});
-    };
-    LateralJacobian jacobian;
-    const LateralState next =
-        integrate(model, at.conditions, at.state, {at.roll_reference, duration}, jacobian);
-    EXPECT_EQ((next - step(at.state, at.roll_reference)).norm(), 0.0);
-    expectJacobian(jacobian, step, at);
-  }
-}
 
 TEST(LateralModel, RatesAreThoseOfTheEquationsWrittenOut) {
   LateralConditions conditions;
@@ -150,7 +65,7 @@ TEST(LateralModel, SteadyTurnInWindIsTheClosedForm) {
   LateralConditions conditions;
   conditions.wind = {4.0, -7.0};
   const double roll = 0.35;
-  const double rate = model.gravity * std::tan(roll) / conditions.airspeed;
+  const double rate = kGravity * std::tan(roll) / conditions.airspeed;
   const double radius = conditions.airspeed / rate;
   const double heading = 2.0;
   LateralState state;
@@ -217,10 +132,9 @@ TEST(LateralModel, ManoeuvreInWindIsThatOfAFineIntegration) {
 
 TEST(LateralModel, RefusesNumbersOutOfRange) {
   EXPECT_NO_THROW(checkModel(LateralModel(), "techpod"));
-  const std::array<double LateralModel::*, 6> fields = {
-      &LateralModel::a0,      &LateralModel::a1,          &LateralModel::b0,
-      &LateralModel::gravity, &LateralModel::switch_rate, &LateralModel::switch_threshold};
-  const std::array<std::string, 6> names = {"a0", "a1", "b0", "gravity", "switch_rate", "switch_threshold"};
+  const std::array<double LateralModel::*, 3> fields = {&LateralModel::a0, &LateralModel::a1,
+                                                        &LateralModel::b0};
+  const std::array<std::string, 3> names = {"a0", "a1", "b0"};
   for (std::size_t i = 0; i < fields.size(); ++i) {
     for (const double bad : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
       LateralModel model;

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "fixedwing_lateral/lateral_nmpc.hpp"
+#include "step_oracles.hpp"
 
 namespace {
 
@@ -57,15 +57,18 @@ double cost(const std::vector<double>& moves, std::vector<double>& gradient, voi
   const Problem& problem = *static_cast<const Problem*>(context);
   const std::size_t count = moves.size();
   std::vector<LateralState> states{problem.state};
-  std::vector<LateralJacobian> jacobians(count);
+  std::vector<lateral_test::StepJacobian> jacobians;
   double sum = stageCost(problem, problem.state);
   for (std::size_t k = 0; k < count; ++k) {
     const double left = 1.0 - static_cast<double>(k) / static_cast<double>(count);
     const double slew = problem.weights.slew * left * left;
     const double deviation = moves[k] - problem.previous;
     sum += problem.weights.roll_reference * moves[k] * moves[k] + slew * deviation * deviation;
-    states.push_back(
-        integrate(problem.model, problem.data.conditions, states.back(), {moves[k], 0.1}, jacobians[k]));
+    const LateralStep step{moves[k], 0.1};
+    if (!gradient.empty())
+      jacobians.push_back(
+          lateral_test::stepByDifferences(problem.model, problem.data.conditions, states.back(), step));
+    states.push_back(integrate(problem.model, problem.data.conditions, states.back(), step));
     sum += stageCost(problem, states.back());
   }
   if (gradient.empty()) return sum;
@@ -73,9 +76,9 @@ double cost(const std::vector<double>& moves, std::vector<double>& gradient, voi
   for (std::size_t k = count; k-- > 0;) {
     const double left = 1.0 - static_cast<double>(k) / static_cast<double>(count);
     const double slew = problem.weights.slew * left * left;
-    gradient[k] = jacobians[k].input.dot(adjoint) +
+    gradient[k] = jacobians[k].col(6).dot(adjoint) +
                   2.0 * (problem.weights.roll_reference * moves[k] + slew * (moves[k] - problem.previous));
-    adjoint = (jacobians[k].state.transpose() * adjoint + stageGradient(problem, states[k])).eval();
+    adjoint = (jacobians[k].leftCols<6>().transpose() * adjoint + stageGradient(problem, states[k])).eval();
   }
   return sum;
 }
@@ -119,7 +122,7 @@ TEST(RealTimeIteration, ComesToRestAtTheOptimumThatNloptFinds) {
     if (i % 4 == 0) limits.roll_reference = 0.25;
     nmpc.setTuning(problem.weights, limits);
     nmpc.reset(problem.data, problem.state, problem.previous);
-    const NmpcReport report = nmpc.iterate(problem.data, problem.state, kIterations, 1e-9);
+    const NmpcReport report = lateral_test::iterate(nmpc, problem.data, problem.state, kIterations, 1e-9);
     nlopt::opt reference(nlopt::LD_SLSQP, 40);
     reference.set_lower_bounds(-limits.roll_reference);
     reference.set_upper_bounds(limits.roll_reference);

@@ -182,7 +182,7 @@ std::pair<double, double> flyCircle(Aircraft& aircraft, bool learn, double radiu
   GuidanceOptions options;
   // As published: the weaker it is, the more of an offset the estimate has to take.
   options.weights.track = LateralWeights{}.track;
-  options.learn_disturbance = learn;
+  options.learns_disturbance = learn;
   LateralGuidance guidance(options, "test");
   guidance.setMission(makeMission({LoiterCircle{{0.0, 0.0}, radius, direction}}, {}, "test"));
   Sensors sensors({}, 1);

@@ -32,6 +32,14 @@ struct Listing {
 std::vector<std::string> listed(const GuidanceOptions& options) {
   Listing listing;
   visitGuidance(options, listing);
+  listing("feedforward", options.weights.feedforward, "", Range{});
+  listing("curvature", options.weights.curvature, "", Range{});
+  listing("smooth_radius", options.criterion.smooth_radius, "", Range{});
+  listing("at_bisector", options.criterion.at_bisector);
+  listing("corrects_wind", options.corrects_wind);
+  listing("learns_disturbance", options.learns_disturbance);
+  listing("chooses_side", options.chooses_side);
+  listing("falls_back", options.falls_back);
   return listing.entries;
 }
 
@@ -40,8 +48,6 @@ TEST(Published, HasTheValuesOfTheChapter) {
   EXPECT_EQ(options.horizon.horizon, 40);
   EXPECT_EQ(options.horizon.step, 0.1);
   EXPECT_EQ(options.period, 0.05);
-  EXPECT_EQ(options.applied_move, 1);
-  EXPECT_EQ(options.iterations, 1);
   EXPECT_EQ(options.weights.track, 0.01);
   EXPECT_EQ(options.weights.course, 10.0);
   EXPECT_EQ(options.weights.roll, 0.1);
@@ -54,6 +60,12 @@ TEST(Published, HasTheValuesOfTheChapter) {
   EXPECT_NEAR(options.limits.roll_reference, 35.0 * kPi / 180.0, 1e-12);
   EXPECT_EQ(options.criterion.acceptance_radius, 35.0);
   EXPECT_EQ(options.criterion.smooth_radius, 35.0);
+  EXPECT_EQ(kCourseTolerance, kPi / 4.0);
+  EXPECT_EQ(kSwitchRate, 1.0);
+  EXPECT_EQ(kSwitchThreshold, 0.05);
+  for (const bool addition : {options.criterion.at_bisector, options.corrects_wind,
+                              options.learns_disturbance, options.chooses_side, options.falls_back})
+    EXPECT_FALSE(addition);
   EXPECT_NO_THROW(checkGuidance(options, "published"));
 }
 
@@ -62,6 +74,7 @@ TEST(Published, IsTheFileOfTheLaunchFolder) {
   ASSERT_NE(root, nullptr);
   const std::string path = std::string(root) + "/launch/config/techpod_published.yaml";
   const LateralParameters parameters = parseLateralParameters(readText(path), path);
+  EXPECT_TRUE(parameters.as_published);
   EXPECT_EQ(listed(parameters.guidance), listed(publishedGuidance()));
 }
 

@@ -38,7 +38,7 @@ ReferenceQp read(const nlohmann::json& instance) {
   qp.data.conditions.wind = {online[1], online[2]};
   qp.data.current = segmentFrom(online + 3);
   qp.data.next = segmentFrom(online + 10);
-  qp.data.conditions.gate = SwitchGate(qp.data.current, SwitchCriterion{}, "reference");
+  qp.data.conditions.gate = SwitchGate(qp.data.current);
   for (int k = 0; k < kMoves; ++k) qp.previous.push_back(online[k * kOnline + 17]);
   qp.solution = instance.at("x_ref").get<std::vector<double>>();
   return qp;

@@ -2,12 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "fixedwing_lateral/model.hpp"
 #include "fixedwing_lateral/speed_scaling.hpp"
-#include "polyfly_base/error.hpp"
 
 namespace {
 
@@ -19,7 +17,7 @@ const LineSegment kNorthward{{0.0, 0.0}, {200.0, 0.0}};
 // Of a corner at its end [m].
 constexpr double kRoom = 200.0;
 
-SwitchGate gateOf(const PathSegment& segment) { return {segment, SwitchCriterion(), "test"}; }
+SwitchGate gateOf(const PathSegment& segment) { return SwitchGate(segment); }
 
 Vector2d course(double degrees) {
   return 14.0 * Vector2d(std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0));
@@ -187,17 +185,15 @@ TEST(SwitchGate, TheRadiusOfASharpCornerContainsItsTurn) {
   CornerConditions conditions;
   conditions.wind = {0.0, 7.0};
   const LateralModel model;
-  const double turn = 21.0 * 21.0 / (model.gravity * std::tan(conditions.roll));
+  const double turn = 21.0 * 21.0 / (kGravity * std::tan(conditions.roll));
   for (const double acceptance : {5.0, 20.0, 35.0}) {
-    SwitchCriterion criterion;
-    criterion.acceptance_radius = acceptance;
-    SwitchGate gate(kNorthward, criterion, "test");
+    SwitchGate gate(kNorthward, acceptance);
     gate.bisect(course(140.0).normalized(), 1e4);
     for (const double scaled_airspeed : {14.0, 0.0}) {
       const CornerShape shape = cornerShapeOf(gate, conditions, scaled_airspeed, model);
       EXPECT_GE(shape.radius_scale * acceptance, turn - 1e-9) << acceptance;
     }
-    SwitchGate blunt(kNorthward, criterion, "test");
+    SwitchGate blunt(kNorthward, acceptance);
     blunt.bisect(course(90.0).normalized(), 1e4);
     EXPECT_EQ(cornerShapeOf(blunt, conditions, 0.0, model).radius_scale, 1.0);
   }
@@ -224,19 +220,6 @@ TEST(SwitchGate, WithoutAnEndHasNoBisector) {
   SwitchGate never;
   never.bisect({0.0, 1.0}, kRoom);
   EXPECT_FALSE(never.isMet({1.0, 1.0}, course(45.0)));
-}
-
-TEST(SwitchGate, RefusesACriterionOutOfRange) {
-  const auto refused = [](const SwitchCriterion& criterion, const std::string& field) {
-    try {
-      const SwitchGate gate(kNorthward, criterion, "mission");
-      ADD_FAILURE() << field << " was taken";
-    } catch (const Error& error) {
-      EXPECT_EQ(std::string(error.what()).find("mission: " + field + ": "), 0u) << error.what();
-    }
-  };
-  for (const double bad : {0.0, -35.0, std::nan(""), HUGE_VAL}) refused({bad, 0.5}, "acceptance_radius");
-  for (const double bad : {0.0, -0.5, kPi, std::nan("")}) refused({35.0, bad}, "course_tolerance");
 }
 
 // The turn ends the other way, so wind from ahead does not make its radius smaller.
@@ -278,16 +261,16 @@ TEST(LateralSwitch, StateRisesForGoodOnceItHasSwitched) {
   }
   EXPECT_GT(met_at, 0.0);
   EXPECT_FALSE(conditions.gate.isMet(state.head<2>(), groundVelocity(conditions, state[Index::kHeading])));
-  EXPECT_TRUE(hasSwitched(model, state));
+  EXPECT_TRUE(hasSwitched(state));
 }
 
 TEST(LateralSwitch, NothingHappensBelowTheThresholdWithoutTheCondition) {
   const LateralModel model;
   const LateralConditions conditions;
   LateralState state = LateralState::Zero();
-  state[Index::kSwitch] = model.switch_threshold;
-  EXPECT_EQ(integrate(model, conditions, state, {0.0, 0.1})[Index::kSwitch], model.switch_threshold);
-  state[Index::kSwitch] = 1.01 * model.switch_threshold;
+  state[Index::kSwitch] = kSwitchThreshold;
+  EXPECT_EQ(integrate(model, conditions, state, {0.0, 0.1})[Index::kSwitch], kSwitchThreshold);
+  state[Index::kSwitch] = 1.01 * kSwitchThreshold;
   EXPECT_NEAR(integrate(model, conditions, state, {0.0, 0.1})[Index::kSwitch], 1.01 * 0.05 + 0.1, 1e-12);
 }
 

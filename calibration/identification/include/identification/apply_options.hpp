@@ -23,8 +23,7 @@ struct OptionsTarget {
 /// - kind drag: drag_forward, drag_left and drag_z, each above zero with its interval, as nonlinear/drag_x, drag_y, drag_z;
 /// - kind mass: mass as vehicle/mass, hover_command as output/hover_thrust.
 ///
-/// A fixed wing (launch/config/techpod.yaml) takes of kind attitude Eq. 45 of roll as model/a0, a1, b0: without delay, or
-/// with guidance/delay and guidance/applied_move 0.
+/// A fixed wing (launch/config/techpod.yaml) takes of kind attitude Eq. 45 of roll as model/a0, a1, b0, without delay.
 ///
 /// Throws Error naming file, field and rule where a calibration has nothing for these options, is of another kind of
 /// vehicle, or its data do not support a number.

@@ -125,7 +125,7 @@ class LateralGuidance {
   void setMission(Mission mission);
   void clearMission();
 
-  /// Weights, limits and safety; they must pass checkGuidance. Nothing is allocated.
+  /// Weights but their airspeed, limits and safety; they must pass checkGuidance. Nothing is allocated.
   void setTuning(const LateralWeights& weights, const LateralLimits& limits,
                  const SafetyOptions& safety) noexcept;
 
@@ -146,11 +146,10 @@ class LateralGuidance {
   bool hasTurned(const AircraftState& state, double elapsed) const noexcept;
   bool hasJumped(const AircraftState& state) noexcept;
   bool solve(const GuidanceInput& input) noexcept;
-  LateralState predicted(const AircraftState& state) const noexcept;
   void learn(const GuidanceInput& input) noexcept;
   void fillData() noexcept;
   void shapeCorner(const AircraftState& state) noexcept;
-  void rescale() noexcept;
+  void setWeights() noexcept;
   void trustOptimisation() noexcept;
   void restart(const LateralState& state) noexcept;
   void keepHorizon(double time) noexcept;
@@ -171,14 +170,12 @@ class LateralGuidance {
   Junction junction_;
   AirData air_;
   LateralObserver observer_;
-  ScaledAirspeed scaled_airspeed_;
   SpeedScaling scaling_;
   // Time of the last call with a valid state [s].
   double last_time_ = -1e300;
   LateralNmpc nmpc_;
   HorizonData data_;
   GuidanceOutput output_;
-  // Initial state of the last optimisation.
   // Moves of the last valid horizon.
   std::vector<double> kept_moves_;
   // True when the quadratic program is prepared for the present data_.

@@ -10,7 +10,6 @@ struct L1Options {
   double period = 16.0;
   double damping = 0.75;          ///< [-], > 0
   double roll_limit = 0.6108652;  ///< [rad]
-  double gravity = 9.81;          ///< [m/s^2]
 };
 
 /// The roll reference of L1 guidance [rad], within the limit: towards a point of the segment at the distance L1 ahead.
@@ -27,7 +26,6 @@ double leastL1Period(double ground_speed, const L1Options& options) noexcept;
 /// published switch condition at each corner; no failsafe policy.
 class L1Guidance {
  public:
-  /// Throws polyfly::Error like MissionTrack.
   L1Guidance(Mission mission, const SwitchCriterion& criterion, const L1Options& options);
 
   /// `input` must be finite. Allocates nothing.

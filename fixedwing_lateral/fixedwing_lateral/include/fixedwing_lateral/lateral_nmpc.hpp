@@ -24,8 +24,6 @@ struct NmpcReport {
   double kkt = 0.0;
   /// Cost before this iteration: the sum of Eq. 46 at the nodes [-].
   double cost = 0.0;
-  /// Number of Gauss-Newton iterations.
-  int iterations = 0;
   /// Number of active bounds in the last quadratic program.
   int active_bounds = 0;
 };
@@ -53,9 +51,6 @@ class LateralNmpc {
   void setTuning(const LateralWeights& weights, const LateralLimits& limits) noexcept;
   const LateralLimits& limits() const noexcept { return limits_; }
 
-  /// Another duration of the intervals [s], > 0. Needs a `reset` before the next `prepare`.
-  void setStep(double step) noexcept;
-
   /// Largest |e_t| at the nodes, as of the last `prepare` [m].
   double largestTrackError() const noexcept { return largest_track_error_; }
 
@@ -72,14 +67,8 @@ class LateralNmpc {
   /// Linearises about the nodes and factorises. False where something is not finite; then `feedback` says so.
   bool prepare(const HorizonData& data) noexcept;
 
-  /// The KKT measure at the nodes, as of the last `prepare`: of the iterations so far, before the next.
-  double kkt() const noexcept { return kkt_; }
-
   /// One iteration from the state, whose heading may be off by whole turns. Needs `prepare`.
   NmpcReport feedback(const LateralState& state) noexcept;
-
-  /// Iterations until the KKT measure is below the tolerance, at most `most` (at least one).
-  NmpcReport iterate(const HorizonData& data, const LateralState& state, int most, double tolerance) noexcept;
 
   double* moves() noexcept { return moves_.data(); }  ///< phi_r of the intervals, N [rad]
   const double* moves() const noexcept { return moves_.data(); }

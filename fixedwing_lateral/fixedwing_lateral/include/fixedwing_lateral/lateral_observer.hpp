@@ -29,7 +29,7 @@ struct GainBiasOptions {
 /// The Kalman filter of a gain and a bias that wander.
 class GainBiasFilter {
  public:
-  explicit GainBiasFilter(const GainBiasOptions& options, double gain = 1.0) noexcept;
+  explicit GainBiasFilter(const GainBiasOptions& options) noexcept;
 
   /// `elapsed` [s] since the last call. What is not finite is left out.
   void update(double x, double y, double elapsed) noexcept;
@@ -52,8 +52,7 @@ class GainBiasFilter {
 /// where the roll reference is at its bound, and a bounded estimate stays within its bounds.
 class LateralObserver {
  public:
-  /// `turn_gain` is the estimate to begin with.
-  explicit LateralObserver(const LateralModel& model, double turn_gain = 1.0) noexcept;
+  explicit LateralObserver(const LateralModel& model) noexcept;
 
   /// The roll reference that was flown from the last state to this one. A pause of more than kLongestPause,
   /// or time running backwards, begins a new second; so does `interrupt`, for references that were not flown.

@@ -28,21 +28,14 @@ struct LateralParameters {
   std::string tight_turns = "keep";
   /// Wind speed for which missions are checked [m/s].
   double wind_expected = 0.0;
-  /// Share of the roll reference's limit that turns may use; the rest is for gusts.
-  double turn_share = 0.9;
-  /// Greatest deviation from the path where a turn follows another one, see turn_limits.hpp; 0: no bound [m].
-  double turn_deviation = 1.5;
+  /// Whether the additions to the published controller are off, see removeAdditions.
+  bool as_published = false;
   bool publish_attitude = false;
   AttitudeOptions attitude;
-  bool stream_in_standby = false;
   bool require_engaged = false;
   bool watch_autopilot = false;
-  /// Greatest age of the autopilot's state [s].
-  double autopilot_timeout = 3.0;
   /// Modes of the autopilot that follow.
   std::string engaged_modes = "OFFBOARD";
-  /// Greatest age of an angular rate; after it the odometry's rate is used [s].
-  double imu_timeout = 0.2;
   /// Where calibrated numbers come from: the text of `calibrate apply`.
   std::string provenance;
 };
@@ -54,26 +47,22 @@ void visitLateralParameters(Parameters& parameters, Visit&& visit) {
   visit("path/loiter_direction", parameters.loiter_direction, "", Range{-1.0, 1.0});
   visit("path/tight_turns", parameters.tight_turns);
   visit("path/wind_expected", parameters.wind_expected, "m/s", Range{0.0, 100.0});
-  visit("path/turn_share", parameters.turn_share, "", Range{0.1, 1.0});
-  visit("path/turn_deviation", parameters.turn_deviation, "m", Range{0.0, 1000.0});
+  visit("guidance/as_published", parameters.as_published);
   visit("output/attitude_target", parameters.publish_attitude);
   visit("output/pitch", parameters.attitude.pitch, "rad", Range{-0.5, 0.5});
   visit("output/thrust", parameters.attitude.thrust, "", Range{-1.0, 1.0});
-  visit("output/stream_in_standby", parameters.stream_in_standby);
   visit("input/require_engaged", parameters.require_engaged);
   visit("input/watch_autopilot", parameters.watch_autopilot);
-  visit("input/autopilot_timeout", parameters.autopilot_timeout, "s", Range{0.1, 60.0});
   visit("input/engaged_modes", parameters.engaged_modes);
-  visit("input/imu_timeout", parameters.imu_timeout, "s", Range{0.0, 10.0});
   visit("provenance", parameters.provenance);
 }
 
-/// Sets the guidance's loiter direction, and checks all that a single range does not. Throws Error naming the key,
+/// Sets what the guidance has no parameter of its own for, and checks all that a single range does not. Throws Error naming the key,
 /// after `where`.
 void finishParameters(LateralParameters* parameters, const std::string& where);
 
 /// How missions are planned and checked. Airspeed is the nominal one, wind the stronger of the expected and the
-/// present one. The roll is that which `turn_share` of the roll reference holds with the roll bias that was learnt.
+/// present one. The roll is that which nine tenths of the roll reference hold with the roll bias that was learnt.
 /// Turn gain, turn bias and roll loop are those of this aircraft. Where its greatest roll rate is not set,
 /// presumedRollRate counts.
 TurnPlan turnPlanOf(const LateralParameters& parameters, const GuidanceOutput& present);

@@ -43,8 +43,8 @@ Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterO
 /// flown.
 class MissionTrack {
  public:
-  /// One gate for each segment. Throws polyfly::Error like SwitchGate.
-  MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where);
+  /// One gate for each segment.
+  MissionTrack(Mission mission, const SwitchCriterion& criterion);
   /// A track with nothing to fly.
   MissionTrack() = default;
 

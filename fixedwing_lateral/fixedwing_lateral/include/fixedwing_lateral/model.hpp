@@ -31,13 +31,10 @@ struct LateralIndex {
 
 using LateralState = Eigen::Matrix<double, LateralIndex::kSize, 1>;
 
-/// Derivatives of a state or of its rate.
-struct LateralJacobian {
-  /// Derivative by the state.
-  Eigen::Matrix<double, LateralIndex::kSize, LateralIndex::kSize> state;
-  /// Derivative by the roll reference.
-  Eigen::Matrix<double, LateralIndex::kSize, 1> input;
-};
+constexpr double kGravity = 9.81;  ///< g [m/s^2]
+/// alpha of Eq. 47 [1/s], and the threshold of x_sw, above which the switch has happened for good [-]. As published.
+constexpr double kSwitchRate = 1.0;
+constexpr double kSwitchThreshold = 0.05;
 
 /// Constant during a flight. The roll loop is that of the Techpod.
 struct LateralModel {
@@ -47,13 +44,9 @@ struct LateralModel {
   double a1 = 6.577;
   /// Gain of the roll loop [1/s^2], > 0.
   double b0 = 13.48;
-  double gravity = 9.81;  ///< g [m/s^2], > 0
   /// Greatest roll rate that the autopilot flies. After its first moves the horizon keeps roll references near enough to the
   /// predicted roll for it, and turns are planned by it. 0: unknown [rad/s].
   double roll_rate_max = 0.0;
-  double switch_rate = 1.0;  ///< alpha [1/s], > 0
-  /// Threshold of x_sw; above it the switch has happened for good [-], > 0.
-  double switch_threshold = 0.05;
 };
 
 /// The online data: constant over a horizon.
@@ -80,18 +73,14 @@ Eigen::Vector2d groundVelocity(const LateralConditions& conditions, double headi
 /// The roll [rad] at which Eq. 45 turns along a path of that curvature [1/m, positive to the right], at a ground
 /// speed [m/s]. The cosine of the angle between heading and course must be positive: see turn_limits.hpp.
 double rollOfTurn(double curvature, double ground_speed, double crab_cosine,
-                  const LateralConditions& conditions, double gravity) noexcept;
+                  const LateralConditions& conditions) noexcept;
 
 /// x_sw has passed the threshold: the state belongs to the next segment.
-bool hasSwitched(const LateralModel& model, const LateralState& state) noexcept;
+bool hasSwitched(const LateralState& state) noexcept;
 
 /// Eq. 45 and 47.
 LateralState lateralRate(const LateralModel& model, const LateralConditions& conditions,
                          const LateralState& state, double roll_reference) noexcept;
-
-/// Derivatives of lateralRate. x_sw' is piecewise constant, so its row is zero.
-LateralJacobian lateralRateJacobian(const LateralModel& model, const LateralConditions& conditions,
-                                    const LateralState& state) noexcept;
 
 /// What one integration is over.
 struct LateralStep {
@@ -102,11 +91,5 @@ struct LateralStep {
 /// One step of the classical Runge-Kutta method of fourth order.
 LateralState integrate(const LateralModel& model, const LateralConditions& conditions,
                        const LateralState& state, const LateralStep& step) noexcept;
-
-/// The same step with its exact derivatives (of the discrete step, not of the flow). Where the step meets the
-/// switch condition x_sw jumps, and its derivative is that of either side.
-LateralState integrate(const LateralModel& model, const LateralConditions& conditions,
-                       const LateralState& state, const LateralStep& step,
-                       LateralJacobian& jacobian) noexcept;
 
 }  // namespace polyfly

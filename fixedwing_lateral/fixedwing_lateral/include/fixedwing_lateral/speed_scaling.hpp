@@ -82,21 +82,4 @@ CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& condit
 /// Airspeed times this is e_near [s].
 constexpr double kNearTime = 0.25;
 
-/// Decides when the scale follows the airspeed: gusts do not change it.
-class ScaledAirspeed {
- public:
-  explicit ScaledAirspeed(double nominal) noexcept : mean_(nominal), scaled_(nominal) {}
-
-  /// True where `value()` changed. `elapsed` [s] since the call before; the first measured airspeed counts at once.
-  bool update(double airspeed, double elapsed) noexcept;
-
-  /// The airspeed to scale by [m/s].
-  double value() const noexcept { return scaled_; }
-
- private:
-  double mean_ = 0.0;
-  double scaled_ = 0.0;
-  bool has_first_ = false;
-};
-
 }  // namespace polyfly

@@ -11,13 +11,14 @@ namespace polyfly {
 struct SwitchCriterion {
   /// Radius about the segment's end [m], > 0.
   double acceptance_radius = 35.0;
-  /// Greatest angle from the segment's direction at its end to the ground velocity [rad], in (0, pi).
-  double course_tolerance = kPi / 4.0;
   /// The acceptance radius where the next segment continues in the same direction, without a corner [m], > 0.
   double smooth_radius = 10.0;
   /// Whether a corner is switched at its bisector, see SwitchGate::bisect. False as published.
   bool at_bisector = false;
 };
+
+/// Greatest angle from the segment's direction at its end to the ground velocity, as published [rad].
+constexpr double kCourseTolerance = kPi / 4.0;
 
 /// What the speed makes of a corner.
 struct CornerShape {
@@ -43,9 +44,9 @@ class SwitchGate {
   /// Never met: on the last segment, and on a loiter.
   SwitchGate() = default;
 
-  /// At the end of `segment`, which must pass checkSegment. Throws polyfly::Error, beginning with `where`, if
-  /// the criterion is out of its range.
-  SwitchGate(const PathSegment& segment, const SwitchCriterion& criterion, const std::string& where);
+  /// At the end of `segment`, which must pass checkSegment.
+  explicit SwitchGate(const PathSegment& segment,
+                      double acceptance_radius = SwitchCriterion{}.acceptance_radius);
 
   /// The next segment begins at this one's end, in the direction `onward` (a unit vector). Then the position must
   /// also lie beyond the line that halves the angle between both segments, where the next one is the nearer. The
@@ -86,8 +87,6 @@ class SwitchGate {
   PathSegment segment_;
   PathPoint end_;
   double acceptance_radius_ = 0.0;  // [m]
-  // Cosine of the course tolerance.
-  double least_course_cosine_ = 0.0;
   bool is_corner_ = false;
   // Mean direction of both segments at a corner, and the least cosine of the course's angle from it.
   Eigen::Vector2d between_ = Eigen::Vector2d::Zero();

@@ -21,8 +21,8 @@ struct StageTerms {
 /// current. A view of what it is made from.
 class TrackingCost {
  public:
-  TrackingCost(const LateralModel& model, const HorizonData& data, const LateralWeights& weights) noexcept
-      : model_(model), data_(data), weights_(weights) {}
+  TrackingCost(const HorizonData& data, const LateralWeights& weights) noexcept
+      : data_(data), weights_(weights) {}
 
   const PathSegment& segmentOf(const LateralState& state) const noexcept;
 
@@ -37,7 +37,6 @@ class TrackingCost {
   double trackWeight(Reversal reversal) const noexcept;
   const PathSegment& segmentAt(const LateralState& state, const Eigen::Vector2d& velocity) const noexcept;
 
-  const LateralModel& model_;
   const HorizonData& data_;
   const LateralWeights& weights_;
 };

@@ -37,8 +37,6 @@ struct LateralLimits {
   double roll_reference = 0.6108652381980153;
   /// Bound of |phi|, 45 degrees; relaxed where it cannot be held [rad].
   double roll = 0.7853981633974483;
-  /// Penalty of a radian beyond the roll bound, at each stage.
-  double roll_penalty = 1e3;
 };
 
 /// What the horizon is over.
@@ -48,7 +46,7 @@ struct HorizonOptions {
   double step = 0.1;
 };
 
-/// The one list of these options, see online_controller/types/options.hpp.
+/// The one list of the options that a running guidance may change, see online_controller/types/options.hpp.
 template <class Options, class Visit>
 void visitTuning(Options& weights, Visit&& visit) {
   visit("weights/track", weights.track, "1/m^2", Range{0.0, 1e3, 10.0, 1.0});
@@ -57,16 +55,12 @@ void visitTuning(Options& weights, Visit&& visit) {
   visit("weights/roll_rate", weights.roll_rate, "s^2/rad^2", Range{0.0, 1e5, 10.0, 1.0});
   visit("weights/roll_reference", weights.roll_reference, "1/rad^2", Range{1e-3, 1e5});
   visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
-  visit("weights/feedforward", weights.feedforward, "", anyChange(0.0, 1.0));
-  visit("weights/curvature", weights.curvature, "", anyChange(0.0, 1.0));
-  visit("weights/airspeed", weights.airspeed, "m/s", Range{0.0, 200.0, 10.0, 1.0});
 }
 
 template <class Limits, class Visit>
 void visitLimits(Limits& limits, Visit&& visit) {
   visit("limits/roll_reference", limits.roll_reference, "rad", Range{0.05, 1.2});
   visit("limits/roll", limits.roll, "rad", Range{0.05, 1.4});
-  visit("limits/roll_penalty", limits.roll_penalty, "1/rad", Range{1.0, 1e6});
 }
 
 template <class Options, class Visit>

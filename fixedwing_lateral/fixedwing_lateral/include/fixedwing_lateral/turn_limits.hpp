@@ -46,7 +46,6 @@ struct TurnConditions {
   double wind_speed = 0.0;
   /// Greatest roll that turns may need, 35 degrees [rad], in (0, pi/2).
   double roll = 0.6108652381980153;
-  double gravity = 9.81;  ///< [m/s^2], > 0
   /// Gain of the turn rate by roll, as learnt or calibrated [-], > 0.
   double turn_gain = 1.0;
   /// Bias of the turn rate, taken for the worse direction [rad/s], >= 0.
@@ -88,7 +87,7 @@ double steepestRoll(const PathSegment& segment, const TurnConditions& conditions
 /// The same with the conditions of a horizon, of whose wind the direction is known. On an arc the course nearest to
 /// downwind counts, on a curve only the place nearest to `position`. Allocates nothing.
 double steepestRoll(const PathSegment& segment, const Eigen::Vector2d& position,
-                    const LateralConditions& conditions, double gravity) noexcept;
+                    const LateralConditions& conditions) noexcept;
 
 /// A segment that asks for more roll than it may.
 struct SteepSegment {

@@ -12,8 +12,8 @@ namespace polyfly_ros {
 class AutopilotWatch {
  public:
   /// `modes`: names separated by commas, such as "OFFBOARD,GUIDED". Throws polyfly::Error naming `key` where
-  /// there is none. `timeout` [s]: age of a state after which it says nothing any more.
-  AutopilotWatch(const std::string& modes, double timeout, const std::string& key);
+  /// there is none.
+  AutopilotWatch(const std::string& modes, const std::string& key);
 
   void take(const mavros_msgs::State& state) { state_ = state; }
   bool follows(double now) const noexcept;  ///< `now` [s]
@@ -26,7 +26,6 @@ class AutopilotWatch {
   bool isOurMode() const noexcept;
 
   std::vector<std::string> modes_;
-  double timeout_ = 0.0;
   mavros_msgs::State state_;
 };
 

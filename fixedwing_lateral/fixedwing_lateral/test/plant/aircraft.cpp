@@ -8,7 +8,6 @@ namespace {
 
 // Step of the simulations [s].
 constexpr double kStep = 0.005;
-constexpr double kGravity = 9.81;
 
 DrydenOptions levelGusts(const RoughOptions& options) {
   DrydenOptions gusts;
@@ -41,10 +40,10 @@ void ChapterAircraft::fly(double roll_reference, double duration) {
     const double acceleration = model_.b0 * roll_reference - model_.a1 * rate_ - model_.a0 * roll_;
     const double roll = roll_ + 0.5 * step * rate_;
     const double rate = rate_ + 0.5 * step * acceleration;
-    const double heading = heading_ + 0.5 * step * model_.gravity * std::tan(roll_) / airspeed_;
+    const double heading = heading_ + 0.5 * step * kGravity * std::tan(roll_) / airspeed_;
     north_ += step * (airspeed_ * std::cos(heading) + wind_.x());
     east_ += step * (airspeed_ * std::sin(heading) + wind_.y());
-    heading_ += step * model_.gravity * std::tan(roll) / airspeed_;
+    heading_ += step * kGravity * std::tan(roll) / airspeed_;
     roll_ += step * rate;
     rate_ += step * (model_.b0 * roll_reference - model_.a1 * rate - model_.a0 * roll);
   }

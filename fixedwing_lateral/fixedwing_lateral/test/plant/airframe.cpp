@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fixedwing_lateral/model.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -11,7 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9.81;
 constexpr double kLeastAirspeed = 0.5;  // below it the air does nothing [m/s]
 
 struct BodyRate {

@@ -2,10 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -17,11 +15,7 @@
 namespace polyfly {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPointsOfASpline = 5;
-// Step of the roll prediction [s].
-constexpr double kStep = 0.02;
-constexpr double kFitAhead = 1.0;  // [s]
 
 std::vector<std::string> cellsOf(const std::string& line) {
   std::vector<std::string> cells;
@@ -68,61 +62,7 @@ RecordedSample sampleOf(const Row& row) {
   sample.state.roll = row.at("roll_rad");
   sample.state.roll_rate = row.at("rollrate_radps");
   sample.airspeed = row.at(row.has("tas_mps") ? "tas_mps" : "ias_mps");
-  sample.roll_command = row.has("roll_cmd_rad") ? row.at("roll_cmd_rad") : kNan;
   return sample;
-}
-
-/// Of the sample that held at that time.
-double commandAt(const std::vector<RecordedSample>& samples, double time) {
-  const auto after =
-      std::upper_bound(samples.begin(), samples.end(), time,
-                       [](double t, const RecordedSample& sample) { return t < sample.state.stamp; });
-  return after == samples.begin() ? samples.front().roll_command : (after - 1)->roll_command;
-}
-
-/// Where a prediction begins and ends, and the commands on the way.
-struct Span {
-  const AircraftState& start;
-  const AircraftState& end;
-};
-
-/// Calls with spans of `ahead` seconds, beginning at every fifth sample.
-template <class Visit>
-void visitSpans(const std::vector<RecordedSample>& samples, double ahead, Visit&& visit) {
-  constexpr std::size_t kEvery = 5;
-  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin += kEvery) {
-    while (end < samples.size() && samples[end].state.stamp < samples[begin].state.stamp + ahead) ++end;
-    if (end == samples.size()) return;
-    visit(Span{samples[begin].state, samples[end].state});
-  }
-}
-
-/// The roll loop alone, by the midpoint rule.
-double rollAfter(const RollFit& fit, const std::vector<RecordedSample>& samples, const Span& span) {
-  const double duration = span.end.stamp - span.start.stamp;
-  const int steps = std::max(1, static_cast<int>(std::lround(duration / kStep)));
-  const double step = duration / steps;
-  double roll = span.start.roll;
-  double rate = span.start.roll_rate;
-  for (int i = 0; i < steps; ++i) {
-    const double command = commandAt(samples, span.start.stamp + (i + 0.5) * step - fit.delay);
-    const double change = fit.model.b0 * command - fit.model.a1 * rate - fit.model.a0 * roll;
-    const double middle_roll = roll + 0.5 * step * rate;
-    const double middle_rate = rate + 0.5 * step * change;
-    roll += step * middle_rate;
-    rate += step * (fit.model.b0 * command - fit.model.a1 * middle_rate - fit.model.a0 * middle_roll);
-  }
-  return roll;
-}
-
-/// (gain, frequency [rad/s], damping, delay [s])
-RollFit fitOf(const std::array<double, 4>& shape) {
-  RollFit fit;
-  fit.model.a0 = shape[1] * shape[1];
-  fit.model.a1 = 2.0 * shape[2] * shape[1];
-  fit.model.b0 = shape[0] * fit.model.a0;
-  fit.delay = shape[3];
-  return fit;
 }
 
 }  // namespace
@@ -191,54 +131,14 @@ std::vector<FlightSample> replayOpenLoop(LateralGuidance& guidance,
   return replayed;
 }
 
-// A search along the axes: four numbers, and a function that is not smooth in the delay.
-RollFit fitRoll(const std::vector<RecordedSample>& samples) {
-  constexpr std::array<double, 4> kLeast = {0.3, 1.0, 0.2, 0.0};
-  constexpr std::array<double, 4> kMost = {1.5, 20.0, 2.0, 0.4};
-  std::array<double, 4> shape = {1.0, 4.0, 0.8, 0.1};
-  std::array<double, 4> step = {0.2, 2.0, 0.3, 0.1};
-  double least = predictRoll(fitOf(shape), samples, kFitAhead).rms;
-  for (int round = 0; round < 25; ++round) {
-    for (std::size_t i = 0; i < shape.size(); ++i) {
-      bool better = false;
-      for (const double side : {-1.0, 1.0}) {
-        std::array<double, 4> other = shape;
-        other[i] = std::clamp(other[i] + side * step[i], kLeast[i], kMost[i]);
-        const double rms = predictRoll(fitOf(other), samples, kFitAhead).rms;
-        if (rms >= least) continue;
-        least = rms;
-        shape = other;
-        better = true;
-        break;
-      }
-      if (!better) step[i] *= 0.5;
-    }
-  }
-  return fitOf(shape);
-}
-
-RollPrediction predictRoll(const RollFit& fit, const std::vector<RecordedSample>& samples, double ahead) {
-  double squares = 0.0;
-  double still = 0.0;
-  int count = 0;
-  visitSpans(samples, ahead, [&](const Span& span) {
-    squares += std::pow(rollAfter(fit, samples, span) - span.end.roll, 2);
-    still += std::pow(span.start.roll - span.end.roll, 2);
-    ++count;
-  });
-  return {std::sqrt(squares / std::max(count, 1)), std::sqrt(still / std::max(count, 1))};
-}
-
 GuidanceOptions replayOptions(double airspeed) {
   GuidanceOptions options;
   // The guidance's roll references are not those that were flown.
-  options.learn_disturbance = false;
+  options.learns_disturbance = false;
   options.airspeed_nominal = airspeed;
   options.criterion.acceptance_radius = options.criterion.smooth_radius;
   options.limits.roll_reference = 0.8;
   options.limits.roll = 0.9;
-  options.iterations = 5;
-  options.kkt_tolerance = 1e-4;
   return options;
 }
 

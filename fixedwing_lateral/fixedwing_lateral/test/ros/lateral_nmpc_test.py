@@ -152,10 +152,10 @@ class LateralNmpcTest(unittest.TestCase):
         def loiter(radius):
             return Mission(segments=[PathSegment(type=PathSegment.LOITER, radius=radius, direction=1)])
 
-        guidance = self.start({"path/tight_turns": "refuse", "path/wind_expected": 7.0, "path/turn_share": 1.0})
+        guidance = self.start({"path/tight_turns": "refuse", "path/wind_expected": 7.0})
         guidance.mission.publish(loiter(200.0))
         self.assertEqual(guidance.exchange(accept=tracks).reason, LateralStatus.REASON_NONE)
-        guidance.mission.publish(loiter(60.0))  # 67.2 m is the least
+        guidance.mission.publish(loiter(60.0))  # less than the least of about 75 m
         for _ in range(5):
             self.assertLess(guidance.exchange(accept=tracks).segment_roll, 0.2)
         keeping = self.start_as("keeping", {})
@@ -181,14 +181,17 @@ class LateralNmpcTest(unittest.TestCase):
         self.assertAlmostEqual(roll, math.sin(status.roll_reference), places=6)
 
     def test_roll_rate_comes_from_the_imu(self):
-        guidance = self.start({"input/imu_timeout": 10.0})
+        guidance = self.start()
         guidance.mission.publish(northward())
         before = guidance.exchange(accept=tracks)
-        imu = Imu()
-        imu.header.stamp = rospy.Time.now()
-        imu.angular_velocity.x = float("nan")  # seen at once
-        guidance.imu.publish(imu)
-        guidance.exchange(accept=lambda s: s.reason == LateralStatus.REASON_NOT_FINITE)
+
+        def spin(odometry):
+            imu = Imu()
+            imu.header.stamp = odometry.header.stamp
+            imu.angular_velocity.x = float("nan")  # seen at once
+            guidance.imu.publish(imu)
+
+        guidance.exchange(spin, lambda s: s.reason == LateralStatus.REASON_NOT_FINITE)
         self.assertTrue(tracks(before))
 
     def test_nan_holds_then_levels_and_ends(self):
@@ -239,17 +242,19 @@ class LateralNmpcTest(unittest.TestCase):
         guidance.exchange(accept=tracks)
 
     def test_follows_the_modes_of_the_autopilot(self):
-        guidance = self.start({"input/watch_autopilot": True, "input/autopilot_timeout": 30.0,
-                               "input/engaged_modes": "OFFBOARD, GUIDED", "output/stream_in_standby": True,
+        guidance = self.start({"input/watch_autopilot": True, "input/engaged_modes": "OFFBOARD, GUIDED",
                                "weights/track": 0.01})  # rolls slowly: the first reference shows where it began
         guidance.mission.publish(northward())
+        said = State()
 
         def say(**fields):
-            state = State(connected=True, armed=True, mode="OFFBOARD")
-            state.header.stamp = rospy.Time.now()
-            for name, value in fields.items():
-                setattr(state, name, value)
-            guidance.state.publish(state)
+            for name, value in dict({"connected": True, "armed": True, "mode": "OFFBOARD"}, **fields).items():
+                setattr(said, name, value)
+            repeat()
+
+        def repeat():
+            said.header.stamp = rospy.Time.now()
+            guidance.state.publish(said)
 
         def expect_standby():
             status = guidance.exchange(bank, lambda s: s.mode == LateralStatus.STANDBY)
@@ -261,6 +266,8 @@ class LateralNmpcTest(unittest.TestCase):
         def bank(odometry):
             odometry.pose.pose.orientation.w = odometry.pose.pose.orientation.z = math.sqrt(0.5) * math.cos(0.1)
             odometry.pose.pose.orientation.x = odometry.pose.pose.orientation.y = math.sqrt(0.5) * math.sin(0.1)
+            if said.connected:
+                repeat()  # it is silent after 3 s
 
         expect_standby()  # the autopilot has not said anything yet
         for mode in ("OFFBOARD", "GUIDED"):
@@ -280,7 +287,7 @@ class LateralNmpcTest(unittest.TestCase):
             guidance.statuses.messages.clear()
 
     def test_a_silent_autopilot_does_not_follow(self):
-        guidance = self.start({"input/watch_autopilot": True, "input/autopilot_timeout": 1.0})
+        guidance = self.start({"input/watch_autopilot": True})
         guidance.mission.publish(northward())
         state = State(connected=True, armed=True, mode="OFFBOARD")
         deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
@@ -356,7 +363,8 @@ class LateralNmpcTest(unittest.TestCase):
         for parameters, sentence in (({"weights/trakc": 1.0}, "/guidance/weights/trakc: unknown"),
                                      ({"weigths/track": 1.0}, "weigths: unknown group; is 'weights' meant?"),
                                      ({"horizon/step": -1.0}, "/guidance/horizon/step: must lie in"),
-                                     ({"guidance/delay": 0.1}, "guidance/delay: the second move")):
+                                     ({"guidance/delay": 0.1}, "parameter guidance/delay is removed: model/a1"),
+                                     ({"path/choose_side": True}, "is removed: guidance/as_published: true")):
             name = "refusal_%d" % abs(hash(sentence))
             guidance = Guidance(name, parameters)
             self.addCleanup(guidance.stop)
