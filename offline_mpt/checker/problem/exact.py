@@ -1,5 +1,4 @@
-"""Refusals, and matrices of fractions."""
-from fractions import Fraction
+"""Refusals, and arithmetic of fractions. Matrices are lists of rows."""
 from math import gcd, lcm
 from operator import mul
 
@@ -13,46 +12,37 @@ def require(condition, rule):
         raise Refused(rule)
 
 
-class Matrix:
-    """Rows of numbers, all with the same number of columns."""
-
-    def __init__(self, rows, columns):
-        self.rows, self.columns = rows, columns
-
-    @property
-    def size(self):
-        return len(self.rows), self.columns
-
-    def __eq__(self, other):
-        return self.size == other.size and self.rows == other.rows
-
-    def entries(self):
-        return [entry for row in self.rows for entry in row]
-
-
 def dot(a, b):
     return sum(map(mul, a, b))
 
 
 def times_matrix(vector, matrix):
     """vector . matrix"""
-    if not matrix.rows:
-        return [Fraction(0)] * matrix.columns
-    return [dot(vector, column) for column in zip(*matrix.rows)]
+    return [dot(vector, column) for column in zip(*matrix)]
 
 
-def product(a, b):
-    return Matrix([times_matrix(row, b) for row in a.rows], b.columns)
+def diagonal(values, zero=0):
+    return [[value if i == j else zero for j in range(len(values))] for i, value in enumerate(values)]
 
 
 def whole(values):
-    """Positive multiples of fractions: whole numbers without a common factor."""
+    """The positive multiples of fractions that are whole numbers without a common factor."""
     denominator = lcm(*(value.denominator for value in values))
     row = [value.numerator * (denominator // value.denominator) for value in values]
     divisor = gcd(*row)
     return [value // divisor for value in row] if divisor > 1 else row
 
 
-def finite(value):
-    """The exact value of a double; None where it is infinite."""
-    return None if value in (float("inf"), float("-inf")) else Fraction(value)
+def eliminated(rows, times, over):
+    """A^-1 B of the rows (A, B), by Gauss and Jordan with this arithmetic. Refuses where a pivot is zero."""
+    rows, size = list(rows), len(rows)
+    for k in range(size):
+        pivot = max(range(k, size), key=lambda i, column=k: abs(rows[i][column]))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        divisor = rows[k][k]
+        require(divisor != 0, "a division by what may be zero")
+        rows[k] = [over(entry, divisor) for entry in rows[k]]
+        for i, row in enumerate(rows):
+            if i != k and row[k]:
+                rows[i] = [entry - times(row[k], own) for entry, own in zip(row, rows[k])]
+    return [row[size:] for row in rows]

@@ -1,15 +1,17 @@
-"""Fields of problem files. A map is a dict, a list a list, and all else a Scalar. Numbers are doubles at their exact values."""
+"""Fields of problem files. A map is a dict, a list a list, and all else a Scalar."""
 import re
+from collections import Counter
 from fractions import Fraction
+from functools import lru_cache
 
 import yaml
 
-from exact import Matrix, Refused, require
+from exact import Refused, diagonal, require
 
 LOADER = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
 CONTROL = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f]")
-# An optional sign, digits of which no zero leads, an optional point and exponent: readers of YAML disagree on all else.
-DECIMAL = re.compile(r"[-+]?(?!0[0-9])([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+# An optional sign, digits of which no zero leads, an optional point and exponent: readers disagree on all else.
+DECIMAL = re.compile(r"[-+]?(?!0[0-9])([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?0*[0-9]{1,3})?")
 MOST_COUNT = 10**9
 
 
@@ -24,39 +26,31 @@ class Fields(dict):
         raise Refused(f"problem: {key} is missing")
 
 
+@lru_cache(maxsize=2)
 def document_of(text):
-    """The document of a text. Refuses what not every reader of YAML takes as the same."""
+    """The map of a text. Refuses what not every reader of YAML takes as the same."""
     require(not CONTROL.search(text), "problem: has a control character")
     require(":]" not in text + "]", "problem: has ':' right before ']' or the end")
     try:
-        return _converted(yaml.compose(text, Loader=LOADER), {})
-    except (yaml.YAMLError, UnicodeError) as error:
+        root = _converted(yaml.compose(text, Loader=LOADER))
+    except (yaml.YAMLError, UnicodeError, RecursionError) as error:
         raise Refused(f"problem: {' '.join(str(error).split())}") from None
-    except RecursionError:
-        raise Refused("problem: is nested too deeply") from None
+    require(isinstance(root, dict), "problem: an entry has no keys")
+    return root
 
 
-def _converted(node, known):
-    """`known` are nodes that were converted: an alias may name one again."""
+@lru_cache(maxsize=None)
+def _converted(node):
+    if isinstance(node, yaml.SequenceNode):
+        return [_converted(item) for item in node.value]
+    if isinstance(node, yaml.MappingNode):
+        for key, count in Counter(key.value for key, _ in node.value).items():
+            require(count == 1, f"problem: {key} is given twice")
+        return Fields((key.value, _converted(value)) for key, value in node.value)
     require(node is not None, "problem: is empty")
-    if id(node) not in known:
-        if isinstance(node, yaml.MappingNode):
-            known[id(node)] = _fields(node, known)
-        elif isinstance(node, yaml.SequenceNode):
-            known[id(node)] = [_converted(item, known) for item in node.value]
-        else:
-            known[id(node)] = Scalar(node.value)
-            known[id(node)].is_plain = not node.style
-    return known[id(node)]
-
-
-def _fields(node, known):
-    fields = Fields()
-    for key, value in node.value:
-        require(isinstance(key, yaml.ScalarNode), "problem: a key is no word")
-        require(key.value not in fields, f"problem: {key.value} is given twice")
-        fields[key.value] = _converted(value, known)
-    return fields
+    scalar = Scalar(node.value)
+    scalar.is_plain = not node.style
+    return scalar
 
 
 def require_keys(node, known):
@@ -68,40 +62,47 @@ def require_keys(node, known):
 
 def require_head(root, kind, known):
     """The file is of this type and of version 1, with some of these keys."""
-    require_keys(root, f"polyfly_problem name type description {known}")
+    require_keys(root, "polyfly_problem name type description " + known)
     require(count_of(root["polyfly_problem"]) == 1, "problem: polyfly_problem: is another version")
     require(root["type"] == kind, f"problem: is of no type {kind}")
 
 
-def items_of(node, key):
-    """The entries of a list that may be missing."""
+def items_of(node, key, known):
+    """The entries of a list, which may be missing; each is a map of some of these keys."""
     items = node.get(key, [])
     require(isinstance(items, list), f"problem: {key} is no list")
+    for item in items:
+        require_keys(item, known)
     return items
 
 
-def word_of(node):
-    require(isinstance(node, Scalar), "problem: a word is missing")
-    return node
-
-
-def choice_of(node, key, words):
+def choice_of(node, key, *words):
     """One of several words; the first where there is none."""
-    word = word_of(node.get(key, Scalar(words[0])))
+    word = node.get(key, words[0])
     require(word in words, f"problem: {word} is not known to this checker")
     return word
 
 
-def decimal_of(text):
+def decimal_of(text, kind):
     require(DECIMAL.fullmatch(text), f"problem: {text} is no number in decimal digits without leading zeros")
-    value = float(text)
-    require(abs(value) != float("inf"), "problem: a number is not finite")
+    value = kind(text)
+    require(value != float("inf") and value != -float("inf"), "problem: a number is not finite")
     return Fraction(value)
 
 
+def exact_of(node):
+    """A number as written, or a quotient of two."""
+    require(isinstance(node, Scalar), "problem: a number is missing")
+    above, slash, below = node.partition("/")
+    divisor = decimal_of(below, Fraction) if slash else 1
+    require(divisor != 0, "problem: a division by 0")
+    return decimal_of(above, Fraction) / divisor
+
+
 def number_of(node):
+    """A double at its exact value."""
     require(isinstance(node, Scalar) and node.is_plain, "problem: a number is missing")
-    return decimal_of(node)
+    return decimal_of(node, float)
 
 
 def number_or(node, key, absent):
@@ -114,32 +115,22 @@ def count_of(node):
     return int(value)
 
 
+def list_of(node, count, read=number_of):
+    require(isinstance(node, list) and len(node) == count, f"problem: a list has not {count} entries")
+    return [read(entry) for entry in node]
+
+
 def range_of(node, read=number_of):
-    require(isinstance(node, list) and len(node) == 2, "problem: a range has two numbers")
-    return read(node[0]), read(node[1])
-
-
-def filled_range(node, read=number_of):
-    lower, upper = range_of(node, read)
+    lower, upper = list_of(node, 2, read)
     require(lower < upper, "problem: a range is empty")
     return lower, upper
 
 
-def matrix_of(node, height, columns, read=number_of):
-    require(isinstance(node, list) and len(node) == height and
-            all(isinstance(row, list) and len(row) == columns for row in node), "problem: a matrix has another size")
-    return Matrix([[read(entry) for entry in row] for row in node], columns)
+def matrix_of(node, height, width, read=number_of):
+    return list_of(node, height, lambda row: list_of(row, width, read))
 
 
 def weight_of(node, size, read=number_of):
     """A matrix, or its diagonal."""
-    require(isinstance(node, list) and len(node) == size, "problem: a weight has another size")
-    if isinstance(node[0], list):
-        return matrix_of(node, size, size, read)
-    diagonal = [read(entry) for entry in node]
-    return Matrix([[entry if i == j else Fraction(0) for j in range(size)] for i, entry in enumerate(diagonal)], size)
-
-
-def column_of(node, height):
-    require(isinstance(node, list) and len(node) == height, "problem: a list has another size")
-    return Matrix([[number_of(entry)] for entry in node], 1)
+    is_matrix = isinstance(node, list) and node and isinstance(node[0], list)
+    return matrix_of(node, size, size, read) if is_matrix else diagonal(list_of(node, size, read), Fraction(0))

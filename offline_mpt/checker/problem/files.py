@@ -9,7 +9,7 @@ from exact import Refused, require
 MOST_BYTES = 1 << 33
 
 MASK = (1 << 64) - 1
-PRIMES = (11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261)
+PRIMES = 11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261
 STRIPE = 32
 
 
@@ -51,50 +51,42 @@ def with_file(path, use):
 
 
 def rotated(value, bits):
+    value &= MASK
     return (value << bits | value >> (64 - bits)) & MASK
 
 
 def mixed(state, word):
-    return rotated((state + word * PRIMES[1]) & MASK, 31) * PRIMES[0] & MASK
-
-
-def mixed_stripes(content):
-    """The four lanes of xxh64 over all whole stripes."""
-    first, second, third, fourth = PRIMES[0] + PRIMES[1] & MASK, PRIMES[1], 0, -PRIMES[0] & MASK
-    for a, b, c, d in struct.iter_unpack("<4Q", content[:len(content) // STRIPE * STRIPE]):
-        first, second, third, fourth = mixed(first, a), mixed(second, b), mixed(third, c), mixed(fourth, d)
-    return first, second, third, fourth
+    return rotated(state + word * PRIMES[1], 31) * PRIMES[0] & MASK
 
 
 def xxh64(content):
     """With seed 0."""
-    value = PRIMES[4]
-    if len(content) >= STRIPE:
-        lanes = mixed_stripes(content)
-        value = sum(map(rotated, lanes, (1, 7, 12, 18))) & MASK
+    value, end = PRIMES[4], len(content) // STRIPE * STRIPE
+    if end > 0:
+        lanes = [PRIMES[0] + PRIMES[1], PRIMES[1], 0, -PRIMES[0]]
+        for words in struct.iter_unpack("<4Q", content[:end]):
+            lanes = list(map(mixed, lanes, words))
+        value = sum(map(rotated, lanes, (1, 7, 12, 18)))
         for lane in lanes:
-            value = ((value ^ mixed(0, lane)) * PRIMES[0] + PRIMES[3]) & MASK
-    value = (value + len(content)) & MASK
-    rest = content[len(content) // STRIPE * STRIPE:]
-    while len(rest) >= 8:
-        value = (rotated(value ^ mixed(0, int.from_bytes(rest[:8], "little")), 27) * PRIMES[0] + PRIMES[3]) & MASK
-        rest = rest[8:]
-    if len(rest) >= 4:
-        word = int.from_bytes(rest[:4], "little") * PRIMES[0] & MASK
-        value = (rotated(value ^ word, 23) * PRIMES[1] + PRIMES[2]) & MASK
-        rest = rest[4:]
-    for byte in rest:
-        value = rotated(value ^ (byte * PRIMES[4] & MASK), 11) * PRIMES[0] & MASK
-    value = (value ^ value >> 33) * PRIMES[1] & MASK
-    value = (value ^ value >> 29) * PRIMES[2] & MASK
+            value = (value ^ mixed(0, lane)) * PRIMES[0] + PRIMES[3] & MASK
+    value = value + len(content) & MASK
+    rest = content[end:]
+    for width, mix, bits, factor, added in ((8, lambda word: mixed(0, word), 27, PRIMES[0], PRIMES[3]),
+                                            (4, lambda word: word * PRIMES[0] & MASK, 23, PRIMES[1], PRIMES[2]),
+                                            (1, lambda word: word * PRIMES[4] & MASK, 11, PRIMES[0], 0)):
+        while len(rest) >= width:
+            word, rest = int.from_bytes(rest[:width], "little"), rest[width:]
+            value = rotated(value ^ mix(word), bits) * factor + added & MASK
+    for shift, factor in ((33, PRIMES[1]), (29, PRIMES[2])):
+        value = (value ^ value >> shift) * factor & MASK
     return value ^ value >> 32
 
 
 def unsealed(content):
-    """The lines of a certificate before the last, which has their checksum."""
+    """The lines of a certificate between its first and its last, which has the checksum of all before."""
     require(content.startswith(b"polyfly "), "not a certificate")
     end = content.rfind(b"\nend ")
     require(end >= 0, "the certificate is cut off")
     require(content[end + 1:] == b"end %016x\n" % xxh64(content[:end + 1]),
             "the certificate is damaged: its checksum does not match")
-    return content[:end].decode("latin-1")
+    return content[:end].decode("latin-1").split("\n")

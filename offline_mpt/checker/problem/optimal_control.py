@@ -2,8 +2,8 @@
 from collections import namedtuple
 from fractions import Fraction
 
-from balls import Balls, above, beside, solved
-from exact import require
+from balls import Balls, blocks, solved
+from exact import Refused, require
 
 MOST_SQUARINGS = 64
 TERMS = 120
@@ -19,16 +19,15 @@ DiscreteSystem = namedtuple("DiscreteSystem", "A B B_d")
 
 def exponential(M):
     """exp(M), by a Taylor series of M / 2^k whose rest is bounded, and k squarings."""
-    squarings, scale, norm = 0, Fraction(1), M.norm()
-    while norm * scale > Fraction(1, 2):
+    squarings, size = 0, len(M.rows)
+    while M.norm() > Fraction(1, 2):
         require(squarings < MOST_SQUARINGS, "the model is too fast for the sampling time")
-        squarings, scale = squarings + 1, scale / 2
-    small = M.scaled(scale)
-    result = power = Balls.identity(M.height)
+        squarings, M = squarings + 1, M.scaled(Fraction(1, 2))
+    result = power = Balls.identity(size)
     # The next term's norm is at most 2^-k / k!; all that follow add up to less than as much again.
     rest = Fraction(1)
     for k in range(1, TERMS + 1):
-        power = (power @ small).scaled(Fraction(1, k))
+        power = (power @ M).scaled(Fraction(1, k))
         result = result + power
         rest /= 2 * k
     result = result.widened(rest)
@@ -39,10 +38,9 @@ def exponential(M):
 
 def discretised(A, B, B_d, time):
     """x' = A x + B u + B_d d over a time, with u and d constant."""
-    nx, nu, nd = A.height, B.columns, B_d.columns
-    whole = above(beside(A, B, B_d), Balls.zeros(nu + nd, nx + nu + nd)).scaled(time)
-    result = exponential(whole)
-    return DiscreteSystem(result.part(0, 0, nx, nx), result.part(0, nx, nx, nu), result.part(0, nx + nu, nx, nd))
+    (nx, nu), (_, nd) = B.size, B_d.size
+    map_ = exponential(blocks([A, B, B_d], [Balls.zeros(nu + nd, nx + nu + nd)]).scaled(time))
+    return DiscreteSystem(map_.part(0, 0, nx, nx), map_.part(0, nx, nx, nu), map_.part(0, nx + nu, nx, nd))
 
 
 def is_stable(closed_loop):
@@ -61,25 +59,25 @@ def gain_of(system, R, P):
     return solved(R + B_P @ system.B, B_P @ system.A)
 
 
-def terminal_weight(system, Q, R):
-    """P of the Riccati equation to about 100 digits, without an error of its own, and a bound of the greatest entry of
-    A'PA - A'PB (R + B'PB)^-1 B'PA + Q - P. Refuses where no P is found whose closed loop is stable."""
-    # Doubling: P_k is the cost of 2^k periods. Its errors do not matter, as the residual decides.
+def doubled(system, Q, R):
+    """P of the Riccati equation, about: P_k is the cost of 2^k periods."""
     A, P = system.A.middle(), Q
     G = (system.B @ solved(R, system.B.transposed())).middle()
     for _ in range(MOST_DOUBLINGS):
-        W = Balls.identity(A.height) + G @ P
+        W = Balls.identity(len(A.rows)) + G @ P
         by_A, by_G = solved(W, A).middle(), solved(W, G).middle()
         change = (A.transposed() @ P @ by_A).middle()
         G = (G + A @ by_G @ A.transposed()).middle()
-        A = (A @ by_A).middle()
-        P = (P + change).middle()
+        A, P = (A @ by_A).middle(), (P + change).middle()
         if change.greatest() <= ENOUGH * P.greatest():
-            break
-    else:
-        require(False, "the Riccati equation has no solution that is found")
-    A, B, _ = system
-    K = gain_of(system, R, P)
-    require(is_stable(A - B @ K), "the solution of the Riccati equation does not stabilise")
-    residual = A.transposed() @ P @ (A - B @ K) + Q - P
-    return P, residual.greatest()
+            return P
+    raise Refused("the Riccati equation has no solution that is found")
+
+
+def terminal_weight(system, Q, R):
+    """P of the Riccati equation to about 100 digits, without an error of its own, and a bound of the greatest entry of
+    A'PA - A'PB (R + B'PB)^-1 B'PA + Q - P. Refuses where no P is found whose closed loop is stable."""
+    P = doubled(system, Q, R)
+    closed_loop = system.A - system.B @ gain_of(system, R, P)
+    require(is_stable(closed_loop), "the solution of the Riccati equation does not stabilise")
+    return P, (system.A.transposed() @ P @ closed_loop + Q - P).greatest()

@@ -20,6 +20,11 @@ def side(size, entry, sign, bound):
     return half_space([sign if j == entry else 0 for j in range(size)], bound)
 
 
+def box_of(ranges, first, size):
+    """The sides of ranges of the entries from `first` on."""
+    return [side(size, j, *end) for j, (lower, upper) in enumerate(ranges, first) for end in ((1, upper), (-1, -lower))]
+
+
 class Vertex:
     """Rows that hold with equality, by their places. Row i has the product `determinant` > 0 with direction i, and 0 with the
     other directions. All numbers are whole."""
@@ -27,17 +32,17 @@ class Vertex:
     def __init__(self, places, directions, determinant):
         self.places, self.directions, self.determinant = places, directions, determinant
 
-    def weights(self, function):
-        """Multipliers of the rows, times the determinant."""
+    def products(self, function):
+        """Of a function as the sum of the rows, the multipliers times the determinant."""
         return [dot(function, direction) for direction in self.directions]
 
     def exchanged(self, leaving, place, products):
-        """With another row in place of one; `products` are those of the new row and the directions."""
+        """With another row in place of one; `products` are those of the new row."""
         pivot, kept = products[leaving], self.directions[leaving]
-        directions = [kept if j == leaving else [(pivot * entry - products[j] * other) // self.determinant
-                                                 for entry, other in zip(direction, kept)]
-                      for j, direction in enumerate(self.directions)]
-        places = [place if j == leaving else own for j, own in enumerate(self.places)]
+        directions = [[(pivot * entry - product * other) // self.determinant for entry, other in zip(direction, kept)]
+                      for direction, product in zip(self.directions, products)]
+        directions[leaving] = kept
+        places = self.places[:leaving] + [place] + self.places[leaving + 1:]
         return Vertex(places, directions, pivot)
 
 
@@ -47,11 +52,9 @@ class Polyhedron:
     def __init__(self, rows):
         require(rows, "a set without half-spaces")
         self._size = len(rows[0]) - 1
-        self._rows = dict(enumerate(rows))
-        # Sides of the box have negative places.
-        for entry in range(self._size):
-            self._rows[-1 - 2 * entry] = side(self._size, entry, 1, BOX)
-            self._rows[-2 - 2 * entry] = side(self._size, entry, -1, BOX)
+        # Sides of the box have negative places, upper and lower ends by turns.
+        box = box_of([(-BOX, BOX)] * self._size, 0, self._size)
+        self._rows = {**dict(enumerate(rows)), **dict(enumerate(box, -len(box)))}
         self._widths = {place: max(map(abs, row[:-1])) or 1 for place, row in self._rows.items()}
         # Where maxima were found, the last one first.
         self._found = []
@@ -71,28 +74,27 @@ class Polyhedron:
 
     def is_empty(self):
         """Whether no x meets all rows: multipliers >= 0 contradict."""
-        vertex, entered = self._solve(self._rows[-1][:-1])
+        vertex, entered = self._solve([0] * self._size)
         if entered is None:
             return False
-        products = vertex.weights(self._rows[entered][:-1])
-        weights = [vertex.determinant, *(-product for product in products)]
-        summed = self._sum([entered, *vertex.places], weights)
-        return summed is not None and summed[-1] < 0 and not any(summed[:-1])
+        products = vertex.products(self._rows[entered][:-1])
+        total = self._sum([entered, *vertex.places], [vertex.determinant, *(-product for product in products)])
+        return total is not None and total[-1] < 0 and not any(total[:-1])
 
     def has_point(self):
         """Whether some x meets all rows: one that is found and substituted."""
-        vertex, entered = self._solve(self._rows[-1][:-1])
+        vertex, entered = self._solve([0] * self._size)
         return entered is None and all(dot(row, self._point(vertex)) <= 0 for row in self.rows())
 
     def drop_implied(self):
         """Leaves out rows that hold where the others do."""
-        for place in sorted((place for place in self._rows if place >= 0), reverse=True):
+        for place in range(len(self.rows()))[::-1]:
             row = self._rows.pop(place)
             if not self.is_within(row):
                 self._rows[place] = row
 
     def _bounds(self, function):
-        """Upper bounds of a function in whole numbers, by vertices at which others had their maxima, and by its own."""
+        """Upper bounds of a function in whole numbers: by vertices at which others had their maxima, then by its own."""
         for k, vertex in enumerate(self._found):
             bound = self._bound(vertex, function)
             if bound is not None:
@@ -105,41 +107,38 @@ class Polyhedron:
             yield bound
 
     def _bound(self, vertex, function):
-        weights = vertex.weights(function)
-        summed = None if min(weights) < 0 else self._sum(vertex.places, weights)
-        if summed is None or summed[:-1] != [vertex.determinant * entry for entry in function]:
+        weights = vertex.products(function)
+        total = None if min(weights) < 0 else self._sum(vertex.places, weights)
+        if total is None or total[:-1] != [vertex.determinant * entry for entry in function]:
             return None
-        return Fraction(summed[-1], vertex.determinant)
+        return Fraction(total[-1], vertex.determinant)
 
     def _sum(self, places, weights):
-        """The sum of rows by weights >= 0, None where one is negative or of no row."""
-        used = [(weight, self._rows.get(place)) for place, weight in zip(places, weights) if weight]
-        if any(weight < 0 or row is None for weight, row in used) or any(
-                place < 0 and weight for place, weight in zip(places, weights)):
-            return None
-        return [sum(weight * row[j] for weight, row in used) for j in range(self._size + 1)]
+        """The sum of rows by weights, None where one is negative or of no row of the set."""
+        total = [0] * (self._size + 1)
+        for place, weight in zip(places, weights):
+            if weight < 0 or (weight > 0 and (place < 0 or place not in self._rows)):
+                return None
+            if weight > 0:
+                total = [entry + weight * own for entry, own in zip(total, self._rows[place])]
+        return total
 
     def _solve(self, function):
         """The vertex of the maximum and None; or one, and the place of a row that contradicts those of the vertex."""
-        for takes_first, most in ((False, MOST_PIVOTS), (True, MOST_BLAND_PIVOTS)):
-            vertex = self._start(function)
-            for _ in range(most):
-                entered = self._entering(vertex, takes_first)
-                if entered is None:
-                    return vertex, None
-                products = vertex.weights(self._rows[entered][:-1])
-                leaving = self._leaving(vertex, vertex.weights(function), products)
-                if leaving is None:
-                    return vertex, entered
-                vertex = vertex.exchanged(leaving, entered, products)
-        raise Refused("the simplex method does not end")
-
-    def _start(self, function):
-        """The vertex of the box at which the function is greatest."""
+        # The vertex of the box at which the function is greatest.
         signs = [-1 if entry < 0 else 1 for entry in function]
-        places = [-1 - 2 * j if sign > 0 else -2 - 2 * j for j, sign in enumerate(signs)]
-        directions = [[sign if i == j else 0 for i in range(self._size)] for j, sign in enumerate(signs)]
-        return Vertex(places, directions, 1)
+        places = [2 * (j - self._size) + (sign < 0) for j, sign in enumerate(signs)]
+        vertex = Vertex(places, [[sign * (i == j) for i in range(self._size)] for j, sign in enumerate(signs)], 1)
+        for pivots in range(MOST_PIVOTS + MOST_BLAND_PIVOTS):
+            entered = self._entering(vertex, pivots >= MOST_PIVOTS)
+            if entered is None:
+                return vertex, None
+            products = vertex.products(self._rows[entered][:-1])
+            leaving = self._leaving(vertex, vertex.products(function), products)
+            if leaving is None:
+                return vertex, entered
+            vertex = vertex.exchanged(leaving, entered, products)
+        raise Refused("the simplex method does not end")
 
     def _point(self, vertex):
         """(x, -1) times the determinant."""
@@ -148,8 +147,7 @@ class Polyhedron:
 
     def _entering(self, vertex, takes_first):
         """The place of a row that the vertex violates, the most for its greatest entry; None where there is none."""
-        point = self._point(vertex)
-        worst, violation, width = None, 0, 1
+        point, worst, violation, width = self._point(vertex), None, 0, 1
         for place, row in self._rows.items():
             beyond = dot(row, point)
             if beyond > 0 and beyond * width > violation * self._widths[place]:
@@ -161,16 +159,9 @@ class Polyhedron:
     @staticmethod
     def _leaving(vertex, weights, products):
         """Which row leaves, so that multipliers stay >= 0; None where none can."""
-        leaving = None
-        for j, (weight, product) in enumerate(zip(weights, products)):
-            if product <= 0:
-                continue
-            if leaving is not None:
-                order = weight * products[leaving] - weights[leaving] * product
-                if order > 0 or (order == 0 and vertex.places[j] > vertex.places[leaving]):
-                    continue
-            leaving = j
-        return leaving
+        ratios = [(Fraction(weight, product), vertex.places[j], j)
+                  for j, (weight, product) in enumerate(zip(weights, products)) if product > 0]
+        return min(ratios)[-1] if ratios else None
 
 
 def without_entry(rows, place):

@@ -2,183 +2,135 @@
 disturbance feedback L_ki by k, i and channel."""
 from collections import defaultdict
 from fractions import Fraction
+from operator import mul, truediv
 
-from certificate import PlanRow
-from exact import Matrix, Refused, product, require, times_matrix
+from exact import Refused, eliminated, require
 from polyhedron import half_space
 
+# A value is a sum of factors times disturbances times variables, by pairs of these. Without a disturbance, or as a
+# constant, the one or the other is 1. Variables are entries of (theta, u~_0, tau) and, behind those, of the plan.
+NONE = -1
 
-def tidy(entries):
-    """Sorted, without zeros; equal places are added."""
+
+def summed(*weighted):
+    """The sum of values, each times a weight."""
     sums = defaultdict(Fraction)
-    for place, value in entries:
-        sums[place] += value
-    return [(place, value) for place, value in sorted(sums.items()) if value]
+    for weight, value in weighted:
+        for place, factor in value.items():
+            sums[place] += weight * factor
+    return {place: factor for place, factor in sums.items() if factor}
 
 
-def parts_of(row):
-    """The bound without the terms that no plan changes, and a text of all else. The text is the same for rows that say the
-    same: terms in order, with the sign that makes their first number positive."""
-    bound, terms = row.bound, []
-    for constant, entries in row.terms:
-        z = tidy(entries)
-        if not z:
-            bound -= abs(constant)
-            continue
-        sign = -1 if z[0][1] < 0 else 1
-        terms.append(" ".join([str(sign * constant), *(f"{place}:{sign * value}" for place, value in z)]))
-    z = [f"{place}:{value}" for place, value in tidy(row.z)]
-    return bound, "|".join([" ".join(map(str, row.y)), " ".join(z), *sorted(terms)])
-
-
-def solved_from_left(A, target):
-    """a with a A = target, one of several where A is singular; refuses where there is none."""
-    count, size = len(A.rows), A.columns
-    # One equation for each entry of the target.
-    system = [[*column, entry] for column, entry in zip(zip(*A.rows), target)]
-    result, used = [Fraction(0)] * count, []
-    for column in range(count):
-        pivot = next((i for i in range(len(used), size) if system[i][column]), None)
-        if pivot is None:
-            continue
-        own = len(used)
-        system[own], system[pivot] = system[pivot], system[own]
-        system[own] = [entry / system[own][column] for entry in system[own]]
-        for i in range(size):
-            if i != own and system[i][column]:
-                factor = system[i][column]
-                system[i] = [entry - factor * other for entry, other in zip(system[i], system[own])]
-        used.append(column)
-    require(not any(row[-1] for row in system[len(used):]), "a row of the certificate is none of the problem")
-    for column, row in zip(used, system):
-        result[column] = row[-1]
-    return result
+def said_by(value, bound):
+    """What value <= bound says for the worst disturbances, as text: the same for rows that say the same. Then the bound,
+    without the disturbances that no plan changes. Of a disturbance's variables, the first one has a positive factor."""
+    by_disturbance = defaultdict(dict)
+    for (disturbance, variable), factor in value.items():
+        by_disturbance[disturbance][variable] = factor
+    nominal = by_disturbance.pop(NONE, {})
+    bound -= nominal.pop(NONE, 0)
+    terms = []
+    for factors in by_disturbance.values():
+        variables = sorted(factors.items())
+        if variables[-1][0] == NONE:
+            bound -= abs(variables[-1][1])
+        else:
+            sign = 1 if variables[-1][1] > 0 else -1
+            terms.append([(variable, sign * factor) for variable, factor in variables])
+    return str((sorted(nominal.items()), sorted(terms))), bound
 
 
 class ExpectedRows:
-    """By the closed form of the prediction:
-      e_k = A^k e_0 + sum_{j<k} A^(k-1-j) (B u~_j + drift) + sum_i (A^(k-1-i) G + sum_{i<j<k} A^(k-1-j) B L_ji) s_i"""
+    """The rows of a problem, by simulation of its stages."""
 
     def __init__(self, models, problem):
         self._models, self._problem = models, problem
-        self._nx, self._p, self._channels = len(models["A"].rows), len(problem.ranges.rows), models["G"].columns
+        self._p, self._channels = len(problem.ranges), len(models["G"][0])
         self._last_stage = problem.horizon if problem.is_shifted else problem.horizon - 1
-        self._last_input = self._last_stage - 1
-        self._fixed = self._fixed_feedback() if problem.feedback == "fixed" else []
+        # e_k and u_k
+        self._errors, self._inputs = [[one(error) for error in problem.errors]], []
+        for k in range(self._last_stage):
+            self._inputs.append(summed((1, one(self._plan(k - 1) if k else self._p)), (1, self._feedback(k))))
+            self._errors.append(self._following(k))
+
+    def _plan(self, place):
+        return self._p + 2 + place
+
+    def _feedback_place(self, k, i, channel):
+        return self._last_stage - 1 + (k * (k - 1) // 2 + i) * self._channels + channel
 
     def predictions(self):
-        inputs = self._last_input
-        return inputs + (self._channels * inputs * (inputs + 1) // 2 if self._problem.feedback == "free" else 0)
+        is_free = self._problem.feedback == "free"
+        return self._feedback_place(self._last_stage, 0, 0) if is_free else self._last_stage - 1
+
+    def _feedback(self, k):
+        """What disturbances before stage k add to its input."""
+        if self._problem.feedback == "fixed":
+            disturbed = [{place: factor for place, factor in error.items() if place[0] != NONE} for error in self._errors[k]]
+            return summed(*zip(self._models["feedback_gain"][0], disturbed))
+        channels = range(self._channels if self._problem.feedback == "free" else 0)
+        return {(i * self._channels + channel, self._plan(self._feedback_place(k, i, channel))): Fraction(1)
+                for i in range(k) for channel in channels}
+
+    def _following(self, k):
+        """e_{k+1}"""
+        models = [self._models[name] for name in ("A", "B", "drift", "G")]
+        return [summed(*zip(A, self._errors[k]), (B, self._inputs[k]), (drift, one(NONE)),
+                       *((effect, {(k * self._channels + channel, NONE): 1}) for channel, effect in enumerate(G)))
+                for A, (B,), (drift,), G in zip(*models)]
 
     def rows(self):
-        problem = self._problem
-        rows = self._of_parameters()
-        for k in range(self._last_stage + 1 - problem.horizon, self._last_stage + 1):
-            rows += [self._peak([sign * entry for entry in row], k) for row in problem.C.rows for sign in (1, -1)]
-            for state, range_ in problem.state_ranges.items():
-                shift = [row[state] for row in problem.state_shift.rows]
-                for sign in (1, -1):
-                    direction = [Fraction(sign if i == state else 0) for i in range(self._nx)]
-                    rows.append(self._bounded(self._worst_state(direction, k), shift, sign, range_))
-        shift = [entry for entry, in problem.input_shift.rows]
-        for k in range(self._last_input + 1):
-            rows += [self._bounded(self._input(k, sign), shift, sign, problem.input_range) for sign in (1, -1)]
+        """Values and their bounds."""
+        problem, tau = self._problem, one(self._p + 1)
+        rows = [(summed((-1, tau)), -problem.floor)]
+        for j, ends in enumerate(problem.ranges):
+            rows += both_sides(one(j), ends)
+        for errors in self._errors[-problem.horizon:]:
+            for outputs in problem.C:
+                peak = summed(*zip(outputs, errors))
+                rows += [(summed((sign, peak), (-1, tau)), Fraction(0)) for sign in (1, -1)]
+            for state, ends in problem.state_ranges.items():
+                rows += both_sides(shifted(errors[state], (row[state] for row in problem.state_shift)), ends)
+        for value in self._inputs:
+            rows += both_sides(shifted(value, (entry for entry, in problem.input_shift)), problem.input_range)
         return rows
 
-    def invariant_row(self, row):
+    def value_of(self, row):
+        """That of a row of a certificate, and its bound. Each term has a disturbance of its own."""
+        value = {(NONE, variable): factor for variable, factor in enumerate(row.y)}
+        for disturbance, (constant, z) in enumerate([(Fraction(0), row.z), *row.terms], NONE):
+            value.update({(disturbance, self._plan(place)): factor for place, factor in z.items()})
+            value[disturbance, NONE] = constant
+        return summed((1, value)), row.bound
+
+    def invariant_row(self, value, bound):
         """h . e + g . r <= b, of which the row is the worst case at the stage that must lie in the invariant set."""
+        normal = [value.get((NONE, j), Fraction(0)) for j in range(self._p)]
+        direction = [normal[error] for error in self._problem.errors]
         stage = 1 if self._problem.invariance == "first_step" else self._last_stage
-        direction = [row.y[error] for error in self._problem.errors]
         for _ in range(stage):
-            direction = solved_from_left(self._models["A"], direction)
-        expected = self._worst_state(direction, stage)
-        expected.y[:self._p] = row.y[:self._p]
-        (bound, rest), (worst, expected_rest) = parts_of(row), parts_of(expected)
-        require(rest == expected_rest, "a row of the certificate is none of the problem")
-        normal = row.y[:self._p]
+            direction = [entry for entry, in eliminated(
+                [[*column, entry] for column, entry in zip(zip(*self._models["A"]), direction)], mul, truediv)]
+        for error in self._problem.errors:
+            normal[error] = Fraction(0)
+        expected = shifted(summed(*zip(direction, self._errors[stage])), normal)
+        (said, own), (wanted, worst) = said_by(value, bound), said_by(expected, 0)
+        require(said == wanted, "a row of the certificate is none of the problem")
         for error, entry in zip(self._problem.errors, direction):
             normal[error] = entry
-        return half_space(normal, bound - worst)
+        return half_space(normal, own - worst)
 
-    def _empty(self):
-        return PlanRow(Fraction(0), [Fraction(0)] * (self._p + 2), [], [])
 
-    def _fixed_feedback(self):
-        """K (A + B K)^j G for each j."""
-        gain, reaction = self._models["feedback_gain"], self._models["G"]
-        added = product(self._models["B"], gain)
-        closed_loop = Matrix([[a + b for a, b in zip(*rows)] for rows in zip(self._models["A"].rows, added.rows)], self._nx)
-        effects = []
-        for _ in range(self._problem.horizon):
-            effects.append(product(gain, reaction).rows[0])
-            reaction = product(closed_loop, reaction)
-        return effects
+def one(variable):
+    return {(NONE, variable): Fraction(1)}
 
-    def _term(self, direct, weights, i, channel):
-        """A direct effect of s_i, and weights, by j, of L_ji of the channel."""
-        constant, z = direct, []
-        for j, weight in weights:
-            if self._problem.feedback == "fixed":
-                constant += weight * self._fixed[j - 1 - i][channel]
-            if self._problem.feedback == "free":
-                z.append((self._last_input + (j * (j - 1) // 2 + i) * self._channels + channel, weight))
-        return constant, z
 
-    def _add_planned(self, weight, j, row):
-        """Adds weight times u~_j."""
-        if j == 0:
-            row.y[self._p] += weight
-        else:
-            row.z.append((j - 1, weight))
+def shifted(value, on_theta):
+    return summed((1, value), *((factor, one(j)) for j, factor in enumerate(on_theta)))
 
-    def _worst_state(self, direction, k):
-        """The worst case of direction e_k."""
-        powers = [direction]
-        for _ in range(k):
-            powers.append(times_matrix(powers[-1], self._models["A"]))
-        row = self._empty()
-        for error, entry in zip(self._problem.errors, powers[k]):
-            row.y[error] += entry
-        # direction A^(k-1-j) times B, drift and G
-        before = [powers[k - 1 - j] for j in range(k)]
-        on_input, drift, effects = ([times_matrix(power, self._models[name]) for power in before]
-                                    for name in ("B", "drift", "G"))
-        for j in range(k):
-            self._add_planned(on_input[j][0], j, row)
-            row.bound -= drift[j][0]
-            weights = [(later, on_input[later][0]) for later in range(j + 1, k)]
-            row.terms += [self._term(direct, weights, j, channel) for channel, direct in enumerate(effects[j])]
-        return row
 
-    def _of_parameters(self):
-        rows = []
-        for j, (lower, upper) in enumerate(self._problem.ranges.rows):
-            for sign, bound in ((1, upper), (-1, -lower)):
-                rows.append(self._empty())
-                rows[-1].y[j] += sign
-                rows[-1].bound = bound
-        floor = self._empty()
-        floor.y[-1] -= 1
-        floor.bound = -self._problem.floor
-        return rows + [floor]
-
-    def _peak(self, direction, k):
-        row = self._worst_state(direction, k)
-        row.y[-1] -= 1
-        return row
-
-    def _bounded(self, row, shift, sign, ends):
-        for j, entry in enumerate(shift):
-            row.y[j] += sign * entry
-        row.bound += ends[1] if sign > 0 else -ends[0]
-        return row
-
-    def _input(self, k, sign):
-        row = self._empty()
-        self._add_planned(Fraction(sign), k, row)
-        row.terms = [self._term(Fraction(0), [(k, Fraction(sign))], i, channel)
-                     for i in range(k) for channel in range(self._channels)]
-        return row
+def both_sides(value, ends):
+    return [(value, ends[1]), (summed((-1, value)), -ends[0])]
 
 
 def match_rows(certificate, problem):
@@ -186,17 +138,16 @@ def match_rows(certificate, problem):
     `invariance`. Returns the number of rows of the problem, and the half-spaces of the invariant set."""
     expected = ExpectedRows(certificate.models, problem)
     require(certificate.predictions == expected.predictions(), "the plan has another size than that of the problem")
-    open_rows = defaultdict(list)
-    for row in certificate.rows:
-        open_rows[parts_of(row)].append(row)
+    left = defaultdict(list)
+    for row in map(expected.value_of, certificate.rows):
+        left[said_by(*row)].append(row)
     rows = expected.rows()
     for k, row in enumerate(rows):
-        found = open_rows[parts_of(row)]
-        if not found:
+        if not left[said_by(*row)]:
             raise Refused(f"row {k} of the problem is none of the certificate")
-        found.pop()
-    left = [row for found in open_rows.values() for row in found]
+        left[said_by(*row)].pop()
+    others = [row for same in left.values() for row in same]
     has_set = problem.invariance != "none"
-    require(has_set or not left, "a row of the certificate is none of the problem")
-    require(left or not has_set, "rows of the invariant set are missing")
-    return len(rows), [expected.invariant_row(row) for row in left]
+    require(has_set or not others, "a row of the certificate is none of the problem")
+    require(others or not has_set, "rows of the invariant set are missing")
+    return len(rows), [expected.invariant_row(*row) for row in others]
