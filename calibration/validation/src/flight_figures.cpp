@@ -254,7 +254,7 @@ ReportSection latencyFigure(const ReportContent& content) {
     panel.x_label = "time per look-up [ns]";
     panel.y_label = "batches";
     panel.x_range = {lower, upper};
-    panel.series = {histogram(part, lower, upper, 50, false)};
+    panel.series = {histogram(part, lower, upper, 50)};
     const std::vector<double>& counts = panel.series[0].y;
     panel.y_range = {0.0, 1.25 * *std::max_element(counts.begin(), counts.end())};  // room for the labels
     panel.marks = {{share.p50, "median " + number(share.p50) + " ns", palette::kInk},

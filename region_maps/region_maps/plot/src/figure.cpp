@@ -150,15 +150,13 @@ class ScriptWriter {
       out_ << "set xlabel " << quoted(panel.x_label) << " offset 0,0.3\n";
     }
     out_ << "set ylabel " << quoted(panel.y_label) << "\n";
-    out_ << (panel.legend_below ? "set key below center horizontal"
-                                : "set key at graph 1, graph 1 right bottom horizontal")
-         << " maxrows 1 samplen 2 height 0.4 noautotitle\n";
-    if (panel.log_x) out_ << "set logscale x\n";
+    out_
+        << "set key at graph 1, graph 1 right bottom horizontal maxrows 1 samplen 2 height 0.4 noautotitle\n";
     if (panel.log_y) out_ << "set logscale y\n";
     if (panel.equal_axes) out_ << "set size ratio -1\n";
     writeRange("x", panel.x_range);
     writeRange("y", panel.y_range);
-    writeTicks("x", panel.x_range, panel.log_x, panel.x_ticks);
+    writeTicks("x", panel.x_range, false, {});
     writeTicks("y", panel.y_range, panel.log_y, panel.y_ticks);
   }
 
@@ -271,9 +269,6 @@ class ScriptWriter {
     switch (series.style) {
       case Series::Style::kLine:
         out_ << "with lines";
-        break;
-      case Series::Style::kDashed:
-        out_ << "with lines dt (7,4)";
         break;
       case Series::Style::kSteps:
         out_ << "with steps";

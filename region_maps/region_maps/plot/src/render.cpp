@@ -4,15 +4,12 @@
 
 #include "map_plot/figure.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "run_gnuplot.hpp"
 
 namespace polyfly {
 namespace {
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
 
 ImageFormat formatOf(const std::string& path) {
   if (endsWith(path, ".svg")) {
@@ -72,24 +69,17 @@ void writeFigure(const Figure& figure, const std::string& path) {
   writeFileAtomically(path, renderFigure(figure, formatOf(path)));
 }
 
-Series histogram(const std::vector<double>& values, double lower, double upper, int bins, bool logarithmic) {
-  if (bins < 1 || !(lower < upper) || (logarithmic && lower <= 0.0)) {
-    throw Error("histogram: needs a bin and lower < upper, both above 0 on a logarithmic scale");
-  }
-  const auto scaled = [logarithmic](double value) { return logarithmic ? std::log10(value) : value; };
-  const double from = scaled(lower);
-  const double width = (scaled(upper) - from) / bins;
+Series histogram(const std::vector<double>& values, double lower, double upper, int bins) {
+  if (bins < 1 || !(lower < upper)) throw Error("histogram: needs a bin and lower < upper");
+  const double width = (upper - lower) / bins;
   Series bars;
   bars.style = Series::Style::kBars;
   bars.y.assign(static_cast<std::size_t>(bins), 0.0);
-  for (int bin = 0; bin < bins; ++bin) {
-    const double middle = from + (bin + 0.5) * width;
-    bars.x.push_back(logarithmic ? std::pow(10.0, middle) : middle);
-  }
+  for (int bin = 0; bin < bins; ++bin) bars.x.push_back(lower + (bin + 0.5) * width);
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
     const double clamped = std::min(std::max(value, lower), upper);
-    const int bin = std::min(bins - 1, static_cast<int>((scaled(clamped) - from) / width));
+    const int bin = std::min(bins - 1, static_cast<int>((clamped - lower) / width));
     bars.y[static_cast<std::size_t>(bin)] += 1.0;
   }
   return bars;

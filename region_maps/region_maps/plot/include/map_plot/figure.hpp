@@ -12,8 +12,6 @@ namespace palette {
 constexpr const char* kBlue = "#0072b2";
 constexpr const char* kVermilion = "#d55e00";
 constexpr const char* kGreen = "#009e73";
-constexpr const char* kOrange = "#e69f00";
-constexpr const char* kSky = "#56b4e9";
 constexpr const char* kPurple = "#cc79a7";
 constexpr const char* kInk = "#22272e";
 constexpr const char* kGrey = "#8a929c";
@@ -23,7 +21,6 @@ constexpr const char* kGrey = "#8a929c";
 struct Series {
   enum class Style {
     kLine,
-    kDashed,
     /// Holds each value until the next x.
     kSteps,
     /// A dot for each sample.
@@ -97,10 +94,7 @@ struct Panel {
   std::optional<Range> y_range;
   std::optional<ColorScale> scale;
   bool equal_axes = false;  ///< one unit of x is as long as one of y
-  bool log_x = false;
   bool log_y = false;
-  bool legend_below = false;  ///< under the panel instead of above its upper right corner
-  std::vector<std::pair<double, std::string>> x_ticks;  ///< names in place of numbers, if any
   std::vector<std::pair<double, std::string>> y_ticks;  ///< names in place of numbers, if any
 };
 
@@ -126,10 +120,9 @@ void writeFigure(const Figure& figure, const std::string& path);
 /// The gnuplot commands and data of a figure: everything but the terminal. Deterministic.
 std::string figureScript(const Figure& figure);
 
-/// A histogram of `values` as bars over `bins` bins that are equal on a linear or logarithmic scale. Values
-/// out of [lower, upper] fall into the first or last bin; those that are not finite are left out. lower <
-/// upper, both > 0 on a logarithmic scale.
-Series histogram(const std::vector<double>& values, double lower, double upper, int bins, bool logarithmic);
+/// A histogram of `values` as bars over `bins` bins of equal width. Values out of [lower, upper] fall into the first or last
+/// bin; those that are not finite are left out. lower < upper.
+Series histogram(const std::vector<double>& values, double lower, double upper, int bins);
 
 /// The same curve with at most about `points` points, keeping the extremes of each stretch, so that no peak
 /// is lost.
