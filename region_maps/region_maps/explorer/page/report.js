@@ -53,7 +53,7 @@ function writeReport(app, open_ms) {
     slice: app.large.cut.map(({region, polygon}) => ({region, polygon})),
     text: byId('point').innerText || byId('point').textContent, title: document.title,
     elements: document.body.getElementsByTagName('*').length,
-    flight: app.loop.flight, svg_bytes: app.svg().length,
+    flight: app.loop.flight,
     moved: moveState(app), visited: flight ? Array.from(flight.visits) : [], excursions: flight ? flight.excursions : [],
   };
   document.body.append(element('pre', JSON.stringify(report), {id: 'report'}));
