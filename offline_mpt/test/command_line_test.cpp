@@ -320,6 +320,8 @@ TEST_F(CommandLine, RefusesBadProblems) {
   // A removed command says what to use.
   expectRefused({"count", path("concave.json"), "--map-limit", "24G"},
                 {"count: was removed; ", "--region-limit"});
+  expectRefused({"bounds", path("concave.json"), "flight.csv"},
+                {"bounds: was removed; ", "disturbance_ranges"});
   problem = toy();
   problem["A"] = {{1.0}, {-1.0}, {1.0}, {1.0}};
   problem["b"] = {1.0, 1.0, 0.0, 1e-9};

@@ -87,55 +87,19 @@ TEST_F(ExportCommand, OnlineWritesASolverOfAMapOrAProblem) {
   EXPECT_EQ(exportMap({"--name", "clip", "--online", "--iteration-limit", "0"}).exit_code, 2);
 }
 
-TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
-  const auto bytes = [&](const char* type) {
-    EXPECT_EQ(exportMap({"--name", "clip", "--type", type}).exit_code, 0);
-    const std::string facts = readBytes(path("code/clip.json"));
-    return std::stoi(facts.substr(facts.find("\"flash_bytes\": ") + 15));
-  };
-  const int in_double = bytes("double"), in_float = bytes("float");
-  ASSERT_LT(in_float, in_double);
-  const auto typeWithin = [&](int limit) -> std::string {
-    const Outcome result = exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    const std::string facts = readBytes(path("code/clip.json"));
-    const std::size_t first = facts.find("\"type\": \"") + 9;
-    return facts.substr(first, facts.find('"', first) - first);
-  };
-  EXPECT_EQ(typeWithin(in_double), "double");
-  EXPECT_EQ(typeWithin(in_double - 1), "float");
-  EXPECT_EQ(typeWithin(in_float), "float");
-  EXPECT_EQ(confirm().exit_code, 0);
-  // No map in no type is smaller than this.
-  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", "60"});
+TEST_F(ExportCommand, CodeBeyondTheLimitOfFlashIsRefused) {
+  ASSERT_EQ(exportMap({"--name", "clip"}).exit_code, 0);
+  const std::string facts = readBytes(path("code/clip.json"));
+  const int bytes = std::stoi(facts.substr(facts.find("\"flash_bytes\": ") + 15));
+  EXPECT_EQ(exportMap({"--name", "clip", "--flash-limit", std::to_string(bytes)}).exit_code, 0);
+  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", std::to_string(bytes - 1)});
   EXPECT_EQ(refused.exit_code, 2);
-  for (const std::string& need : {std::to_string(in_double) + " bytes as the map in double",
-                                  std::to_string(in_float) + " bytes as the map in float"})
-    EXPECT_NE(refused.err.find(need), std::string::npos) << refused.err;
-  EXPECT_EQ(exportMap({"--name", "clip", "--type", "double", "--flash-limit", "60"}).exit_code, 2);
-}
-
-// No code in float is within what this filter's proof allows, so a limit of flash takes the one with the least error.
-TEST_F(ExportCommand, TheLimitOfFlashPassesGreatErrorsOver) {
-  std::string filter = readBytes(projectRoot() + "/region_maps/problems/safety/double_integrator_float.yaml");
-  const std::string allowance = "error: 0.005";
-  ASSERT_NE(filter.find(allowance), std::string::npos);
-  filter.replace(filter.find(allowance), allowance.size(), "error: 1.0e-4");
-  writeBytes(path("tight.yaml"), filter);
-  const std::string map = path("other.map");
-  ASSERT_EQ(run({OFFLINE_MPT_PROGRAM, "solve", path("tight.yaml"), "-o", map, "--force"}).exit_code, 0);
-  Words words = {OFFLINE_MPT_PROGRAM, "export", map, "-o", path("code"), "--name", "code", "--type", "float"};
-  const auto error = [&] {
-    const std::string facts = readBytes(path("code/code.json"));
-    EXPECT_NE(facts.find("\"is_allowed\": false"), std::string::npos) << facts;
-    return std::stod(facts.substr(facts.find("\"error_bound\": [") + 16));
-  };
-  const Outcome given = run(words);
-  EXPECT_NE(given.out.find("the map in float"), std::string::npos) << given.out;
-  const double as_it_is = error();
-  words.insert(words.end(), {"--flash-limit", "1M"});
-  EXPECT_EQ(run(words).exit_code, 0);
-  EXPECT_LE(error(), as_it_is);
+  EXPECT_NE(refused.err.find("in double needs " + std::to_string(bytes) + " bytes; --type float"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_EQ(
+      exportMap({"--name", "clip", "--type", "float", "--flash-limit", std::to_string(bytes - 1)}).exit_code,
+      0);
 }
 
 TEST_F(ExportCommand, TheTypeThatWasRemovedIsRefusedWithWhatToUse) {

@@ -89,11 +89,7 @@ TEST_F(OutputCommand, KeepsTheFilesThatAProblemCites) {
     expectRefused({"solve", path(name), "-o", path("flight.yaml")}, "name of its own");
     expectRefused({"verify", map_, "--problem", path(name), "--json", path("flight.yaml")},
                   "name of its own");
-    expectRefused({"bounds", path(name), path("thetas.csv"), "--json", path("flight.yaml")},
-                  "name of its own");
   }
-  expectRefused({"bounds", path("robust.yaml"), path("thetas.csv"), "--json", path("thetas.csv")},
-                "name of its own");
 }
 
 // A map is read back; a checkpoint is written in any order.

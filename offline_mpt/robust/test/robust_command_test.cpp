@@ -169,21 +169,6 @@ TEST_F(RobustCommand, RefusesWrongCheckpoints) {
   EXPECT_NE(refusal("text").find("is no checkpoint of a robust MPC"), std::string::npos);
 }
 
-TEST_F(RobustCommand, BoundsDisturbancesOfAFlight) {
-  const std::string problem = write("made.yaml", smallRobust().text());
-  std::string rows = "p,v,phi,u\n";
-  for (int k = 0; k < 50; ++k) rows += "0," + std::to_string(0.008 * (k % 2)) + ",0,0\n";
-  write("flight.csv", rows);
-  const Outcome found = run({"bounds", problem, path("flight.csv"), "--json", path("bounds.json")});
-  ASSERT_EQ(found.exit_code, 0) << found.err;
-  EXPECT_NE(found.out.find("w: range: ["), std::string::npos) << found.out;
-  const auto json = nlohmann::json::parse(readBytes(path("bounds.json")));
-  EXPECT_EQ(json["channels"][0]["samples"], 49);
-  EXPECT_NEAR(json["channels"][0]["greatest"].get<double>(), 0.1, 0.01);  // 8 mm/s in a period of 80 ms
-  write("short.csv", "p,v,u\n0,0,0\n");
-  EXPECT_EQ(run({"bounds", problem, path("short.csv")}).exit_code, 2);
-}
-
 TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
   const std::string problem = write("made.yaml", smallRobust().text());
   ASSERT_EQ(run({"solve", problem, "-o", path("made.map"), "--quiet"}).exit_code, 0);
