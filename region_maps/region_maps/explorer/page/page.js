@@ -58,7 +58,7 @@ class App {
     this.watch();
     this.applyTheme();
     this.drawAll();
-    if (report) writeReport(this, performance.now());
+    if (report) writeReport(this);
   }
 
   buildControls() {
