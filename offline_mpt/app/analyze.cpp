@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -41,38 +40,23 @@ struct AnalyzeArguments {
   AnalyzeOptions analyze;
 };
 
-/// Shows the three phases of an analysis, each with as many steps as there are regions.
-void showPhase(Progress& progress, std::uint64_t done, std::uint64_t total) {
-  constexpr std::uint64_t kPhases = 3;
-  static const char* const kNames[kPhases] = {"corners of regions", "cover of the domain", "successors"};
-  const std::uint64_t steps = total / kPhases;
-  if (steps == 0) return;
-  const std::uint64_t phase = std::min(done / steps, kPhases - 1);
-  progress.show(kNames[phase] + (": " + std::to_string(100 * (done - phase * steps) / steps)) + " %");
-}
-
 ExitCode analyzeMap(const AnalyzeArguments& options) {
   checkOutputs({{options.json}}, {options.map, options.model, options.within});
+  endOnSignal(options.map + ": interrupted: nothing was decided");
   const RegionMap map = RegionMap::open(options.map);
   const SetModel model = loadModel(options.model);
   const ClosedLoopModel loop = bindModel(model, map);
   AnalyzeOptions analyze_options = options.analyze;
   if (!options.within.empty()) analyze_options.within = loadSet(options.within);
-  analyze_options.stop = &stopOnSignal();
-  AnalyzeReport report;
-  {
-    Progress progress(options.quiet);
-    analyze_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
-      showPhase(progress, done, total);
-    };
-    report = analyze(map, loop, analyze_options);
-  }
+  Progress progress(options.quiet);
+  analyze_options.progress = [&progress](const char* phase, std::uint64_t done, std::uint64_t total) {
+    progress.show(std::string(phase) + ": " + std::to_string(100 * done / total) + " %");
+  };
+  const AnalyzeReport report = analyze(map, loop, analyze_options);
+  progress.finish();
+  ignoreSignals();
   if (!options.json.empty()) writeText(options.json, analyzeJson(report, map, model));
   if (!options.quiet) std::fputs(analyzeText(report, map, model).c_str(), stdout);
-  if (report.interrupted) {
-    std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing was decided\n", options.map.c_str());
-    return ExitCode::kStopped;
-  }
   return report.holds() ? ExitCode::kDone : ExitCode::kFailed;
 }
 
@@ -80,7 +64,6 @@ ExitCode analyzeMap(const AnalyzeArguments& options) {
 
 void addAnalyze(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<AnalyzeArguments>();
-  options->analyze.threads = defaultThreads();
   CLI::App* command = app.add_subcommand(
       "analyze", "Prove that a map's closed loop never leaves the map, or show how it leaves it.");
   command->footer(kAnalyzeFooter);
@@ -93,10 +76,7 @@ void addAnalyze(CLI::App& app, ExitCode& exit_code) {
           "--tolerance", options->analyze.tolerance,
           "Distance outside a half-space that still counts as inside [half ranges] (default: the map's own).")
       ->check(numberFrom(0.0));
-  command
-      ->add_option("--threads", options->analyze.threads,
-                   "Number of worker threads (default: all processors).")
-      ->check(wholeNumber(1, 256));
+  addThreads(*command, options->analyze.threads);
   command->add_option("--json", options->json, "Write the report to this file as JSON.");
   command->add_flag("--quiet", options->quiet, "Print nothing. The exit code is the answer.");
   command->callback([options, &exit_code] { exit_code = analyzeMap(*options); });

@@ -74,15 +74,15 @@ ExitCode exitCode(ExploreStatus status) {
   return ExitCode::kBadInput;
 }
 
-void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit) {
+void addThreads(CLI::App& command, int& threads) {
+  threads = defaultThreads();
   command.add_option("--threads", threads, "Number of worker threads (default: all processors).")
       ->check(wholeNumber(1, 256));
+}
+
+void addTimeLimit(CLI::App& command, double& time_limit) {
   command.add_option("--time-limit", time_limit, "Stop after this many seconds (default: no limit).")
       ->check(numberFrom(0.0));
-  command
-      .add_option("--memory-limit", memory_limit,
-                  "Stop when the exploration uses this many bytes; suffixes k, M, G (default: no limit).")
-      ->transform(byteCount());
 }
 
 }  // namespace polyfly

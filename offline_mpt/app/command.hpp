@@ -35,15 +35,17 @@ void addExplore(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addTerminalSet(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
-void addBounds(CLI::App& app, ExitCode& exit_code);
 void addExport(CLI::App& app, ExitCode& exit_code);
 void addCondense(CLI::App& app, ExitCode& exit_code);
 
 /// What an exploration that ended so returns to the shell.
 ExitCode exitCode(ExploreStatus status);
 
-/// The options --threads, --time-limit and --memory-limit of an exploration.
-void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit);
+/// The option --threads, whose default is all processors.
+void addThreads(CLI::App& command, int& threads);
+
+/// The option --time-limit, without which there is no limit.
+void addTimeLimit(CLI::App& command, double& time_limit);
 
 /// Number of processors, at least 1; under an MPI launcher this process's share of them.
 int defaultThreads();

@@ -38,9 +38,7 @@ ExitCode diffTwoMaps(const DiffArguments& arguments) {
   const RegionMap second = RegionMap::open(arguments.second);
   Progress progress(arguments.quiet);
   DiffOptions options = arguments.diff;
-  options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
-    progress.show("compared " + std::to_string(done) + " of " + std::to_string(total) + " regions");
-  };
+  options.progress = progress.counter("compared ", " regions");
   const DiffReport report = diffMaps(first, second, options);
   progress.finish();
   ignoreSignals();
@@ -55,7 +53,6 @@ ExitCode diffTwoMaps(const DiffArguments& arguments) {
 
 void addDiff(CLI::App& app, ExitCode& exit_code) {
   auto arguments = std::make_shared<DiffArguments>();
-  arguments->diff.threads = defaultThreads();
   CLI::App* command = app.add_subcommand("diff", "Tell where and by how much at most two maps differ.");
   command->footer(kDiffFooter);
   command->add_option("A", arguments->first, "Map file.")->required();
@@ -67,10 +64,7 @@ void addDiff(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command->add_option("--json", arguments->json,
                       "Write the report with all differences to this file as JSON.");
-  command
-      ->add_option("--threads", arguments->diff.threads,
-                   "Number of worker threads (default: all processors).")
-      ->check(wholeNumber(1, 256));
+  addThreads(*command, arguments->diff.threads);
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors.");
   command->callback([arguments, &exit_code] { exit_code = diffTwoMaps(*arguments); });
 }

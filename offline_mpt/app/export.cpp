@@ -4,13 +4,12 @@
 #include <utility>
 
 #include "command.hpp"
-#include "export_choice.hpp"
 #include "export_online.hpp"
+#include "export_proven/export_proven.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/outputs.hpp"
 #include "polyfly_base/visible.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "progress.hpp"
+#include "region_maps/region_map.hpp"
 #include "signals.hpp"
 
 namespace polyfly {
@@ -27,12 +26,8 @@ const char kExportFooter[] =
 --type double answers as the map does, bit for bit. --type float answers within a bound that the command
 proves. Where a bound cannot be proven, nothing is written. region_maps/region_maps/export/README.md says what is proven.
 
-With --flash-limit, flash_bytes of NAME.json is at most the limit: tables and instructions, on the processor
-that needs more of these. The command takes the first of these that fits: the map in double and in float; the
-map reduced (offline_mpt reduce), in double and in float. With --type, only that type. An error above 1 % of an input's range, or above what a safety filter's
-proof allows, is taken only where no code that fits has a smaller one. The search tree is no choice: it is
-that of the map, or of its reduction. Of a reduced map it writes DIR/NAME.map too, for check_certificate. If
-nothing fits, it says how many bytes each would take.
+With --flash-limit, code whose flash_bytes in NAME.json exceed the limit is not written: tables and
+instructions, on the processor that needs more of these. --type float and 'offline_mpt reduce' make it smaller.
 
 --online writes code that solves the problem for each parameter instead: small where the map does not fit, but
 slower, and without a proof. MAP may be a problem file then.
@@ -48,7 +43,10 @@ Examples:
 struct ExportArguments {
   std::string map;
   std::string folder;
-  ExportRequest request;
+  std::string name;
+  ExportType type = ExportType::kDouble;
+  /// Greatest FlashBytes::total(); 0: none. [bytes]
+  std::uint64_t flash_limit = 0;
   double time_limit = 0.0;
   bool quiet = false;
   bool is_online = false;
@@ -67,35 +65,41 @@ void printErrors(const RegionMap& map, const ProvenExport& proven) {
 }
 
 ExitCode exportMap(const ExportArguments& arguments) {
-  const std::string& name = arguments.request.name;
+  const std::string& name = arguments.name;
   if (arguments.is_online) {
-    if (arguments.request.flash_limit != 0) throw Error("--flash-limit: is of maps, not of --online");
-    exportOnline(
-        {arguments.map, arguments.folder, {name, arguments.request.type, arguments.iteration_limit}});
+    if (arguments.flash_limit != 0) throw Error("--flash-limit: is of maps, not of --online");
+    exportOnline({arguments.map, arguments.folder, {name, arguments.type, arguments.iteration_limit}});
     return ExitCode::kDone;
   }
   if (arguments.iteration_limit != 0) throw Error("--iteration-limit: needs --online");
   checkExportOutputs(arguments.folder, name, {arguments.map});
-  const std::string reduced = arguments.folder + "/" + name + ".map";
-  const bool may_reduce = arguments.request.flash_limit != 0;
-  if (may_reduce) checkOutputs({{reduced, Output::Kind::kFile, Output::Folder::kIsMade}}, {arguments.map});
   // Of no phase anything can be kept.
   endOnSignal(arguments.folder + ": interrupted: nothing was written", arguments.time_limit);
   const RegionMap map = RegionMap::open(arguments.map);
   Progress progress(arguments.quiet);
-  ExportRequest request = arguments.request;
-  request.progress = [&progress](const std::string& text) { progress.show(text); };
-  const ChosenExport chosen = chooseExport(map, reduced, request);
+  ExportOptions options;
+  options.name = name;
+  options.type = arguments.type;
+  ExportProofOptions proof;
+  proof.progress = [&progress](std::uint64_t pairs) {
+    progress.show("proof: compared " + std::to_string(pairs) + " pairs of leaves");
+  };
+  const ProvenExport proven = proveExport(map, std::move(options), proof);
   progress.finish();
-  ignoreSignals();
-  const RegionMap exported = chosen.reduced ? chosen.reduced->view(reduced) : RegionMap::open(arguments.map);
-  writeExport(exported, chosen.proven, arguments.folder);
-  if (chosen.reduced) writeFileAtomically(reduced, chosen.reduced->bytes());
-  if (!arguments.quiet) {
-    std::printf("%s/%s.c: %s\n", arguments.folder.c_str(), name.c_str(), chosen.summary.c_str());
-    printErrors(exported, chosen.proven);
+  const std::size_t bytes = exportFlashBytes(map, proven.options).total();
+  if (arguments.flash_limit != 0 && bytes > arguments.flash_limit) {
+    throw Error("--flash-limit: of " + arguments.map + ", the code in " + toString(arguments.type) +
+                " needs " + std::to_string(bytes) +
+                " bytes; --type float and 'offline_mpt reduce' make it smaller");
   }
-  if (!chosen.proven.bound.isAllowed()) {
+  ignoreSignals();
+  writeExport(map, proven, arguments.folder);
+  if (!arguments.quiet) {
+    std::printf("%s/%s.c: %zu bytes of flash, in %s\n", arguments.folder.c_str(), name.c_str(), bytes,
+                toString(arguments.type));
+    printErrors(map, proven);
+  }
+  if (!proven.bound.isAllowed()) {
     std::fprintf(
         stderr,
         "offline_mpt: %s/%s.c: its error exceeds what the safety filter's proof allows; raise `error` of "
@@ -114,24 +118,18 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
   command->add_option("MAP", arguments->map, "Map file.")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to. It is made where it is missing.")
       ->required();
-  command
-      ->add_option("--name", arguments->request.name, "Prefix of files and identifiers: letters, digits, _.")
+  command->add_option("--name", arguments->name, "Prefix of files and identifiers: letters, digits, _.")
       ->required();
   const std::map<std::string, ExportType> types = {{"double", ExportType::kDouble},
                                                    {"float", ExportType::kFloat}};
   const CLI::Validator removed(
       [](const std::string& word) { return word == "int16" ? std::string(kNoInt16) : std::string(); }, "");
-  command
-      ->add_option("--type", arguments->request.type,
-                   "Type of all numbers: double or float (default: double).")
+  command->add_option("--type", arguments->type, "Type of all numbers: double or float (default: double).")
       ->transform(oneOf(types))
       ->transform(removed);
-  CLI::Option* const type = command->get_option("--type");
   command
-      ->add_option(
-          "--flash-limit", arguments->request.flash_limit,
-          "Greatest size of tables and instructions in bytes; suffixes k, M, G (default: no limit). Map "
-          "and type are chosen to fit.")
+      ->add_option("--flash-limit", arguments->flash_limit,
+                   "Greatest size of tables and instructions in bytes; suffixes k, M, G (default: no limit).")
       ->transform(byteCount(1));
   command->add_flag("--online", arguments->is_online, "Write a solver instead of the map's look-up.");
   command
@@ -140,14 +138,9 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
                    "variable and "
                    "row, and 30).")
       ->check(wholeNumber(1, 65535));
-  command
-      ->add_option("--time-limit", arguments->time_limit, "Stop after this many seconds (default: no limit).")
-      ->check(numberFrom(0.0));
+  addTimeLimit(*command, arguments->time_limit);
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors.");
-  command->callback([arguments, type, &exit_code] {
-    arguments->request.chooses_type = arguments->request.flash_limit != 0 && type->count() == 0;
-    exit_code = exportMap(*arguments);
-  });
+  command->callback([arguments, &exit_code] { exit_code = exportMap(*arguments); });
 }
 
 }  // namespace polyfly

@@ -61,8 +61,7 @@ void print(const OnlineCode& code) {
   std::printf("tried at %" PRIu64 " parameters: %" PRIu64 " solved, %" PRIu64 " infeasible, %" PRIu64
               " at the iteration limit; %" PRIu64 " confirmed by another solver\n",
               record.parameters, record.solved, record.infeasible, record.stopped, record.confirmed);
-  std::printf("most iterations %u of %u, most multiply-adds %" PRIu64 "\n", record.iterations,
-              code.options.iteration_limit, record.multiply_adds);
+  std::printf("most iterations %u of %u\n", record.iterations, code.options.iteration_limit);
 }
 
 }  // namespace

@@ -11,6 +11,9 @@ void addRemovedCommands(CLI::App& app) {
   addRemoved(app, {"count"},
              "was removed; 'solve --region-limit N' ends with exit code 3 where there are more than N "
              "regions");
+  addRemoved(app, {"bounds"},
+             "was removed; 'disturbance_ranges' of the Python module computes them, 'calibrate disturbance' "
+             "from bags");
   addRemoved(*app.get_subcommand("set"),
              {"check", "contains", "equal", "image", "info", "intersect", "minimal", "minkowski",
               "pontryagin", "preimage", "project", "subset", "support", "vertices", "volume"},
@@ -61,7 +64,6 @@ int main(int argc, char** argv) {
   polyfly::addAnalyze(app, exit_code);
   polyfly::addSet(app, exit_code);
   polyfly::addTerminalSet(app, exit_code);
-  polyfly::addBounds(app, exit_code);
   addRemovedCommands(app);
   // Of the processes of a launcher, which all fail alike, one speaks.
   return polyfly::runTool(

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <iterator>
 
+#include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/problem_type.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "region_maps/region_map.hpp"
-#include "solve_robust.hpp"
-#include "verify_robust.hpp"
+#include "safety_filter/safe_set.hpp"
+#include "solve_report.hpp"
+#include "verify_exact.hpp"
 
 namespace polyfly {
 namespace {
@@ -25,6 +27,12 @@ const OwnSolver* ownSolver(const std::string& text, const std::string& source) {
 }
 
 }  // namespace
+
+ParametricProgram programOf(const VerifyArguments& options, const RegionMap& map) {
+  if (!options.problem.empty()) return loadCompleteProgram(options.problem);
+  return parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
+                      options.map + ": problem text");
+}
 
 const OwnSolver* ownSolverOf(const std::string& problem) {
   if (!endsWith(problem, ".yaml") && !endsWith(problem, ".yml")) return nullptr;

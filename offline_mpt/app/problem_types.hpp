@@ -1,54 +1,44 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "command.hpp"
 #include "mpc_core/parametric_program.hpp"
-#include "offline_mpt/search_tree.hpp"
+#include "offline_mpt/verify.hpp"
 
 namespace polyfly {
 
 class RegionMap;
 
-/// What `solve` was asked for.
-struct SolveTask {
-  std::string problem;
-  std::string map;
-  std::string stats;        ///< file to write, empty: none
-  double time_limit = 0.0;  ///< [s], of all phases; 0: none
-  TreeMode tree_mode = TreeMode::kAuto;
-  std::uint64_t tree_nodes = 0;
-  int threads = 1;
-  bool quiet = false;
-  std::string checkpoint;          ///< file of an unfinished run
-  bool resume = false;             ///< continue from it
-  double checkpoint_period = 0.0;  ///< [s], 0: only at the end
-};
+struct SolveArguments;
 
-/// What `verify` was asked for.
-struct VerifyTask {
-  std::string problem;      ///< empty: the one that the map carries
-  std::string json;         ///< file to write, empty: none
-  std::string certificate;  ///< file to write, empty: none
-  std::string output;       ///< repaired map to write, empty: none
+/// What the command line of `verify` says.
+struct VerifyArguments {
+  std::string map;
+  std::string problem;       ///< empty: the one that the map carries
+  std::string json;          ///< file to write, empty: none
+  std::string certificate;   ///< file to write, empty: none
+  std::string output;        ///< repaired map to write, empty: none
+  std::string reduced_from;  ///< the map that this one was reduced from, where that is to be proven
+  VerifyOptions verify;
   /// Prove the map in fractions. False: compare it with another solver at samples.
   bool exact = false;
-  std::uint64_t samples = 0;
-  std::uint64_t seed = 0;
-  double tolerance = 0.0;
-  int threads = 1;
+  bool repair = false;
   bool quiet = false;
+  double time_limit = 0.0;  ///< [s], of a proof; 0: none
 };
+
+/// The program of the problem file, else of the text in the map. Throws Error.
+ParametricProgram programOf(const VerifyArguments& options, const RegionMap& map);
 
 /// A type of problem with a solver of its own. The tool explores the parametric program of any other type, which
 /// mpc_core/problem_type.hpp reads.
 struct OwnSolver {
   /// Value of the key `type` of a problem file.
   const char* type;
-  ExitCode (*solve)(const SolveTask& task);
+  ExitCode (*solve)(const SolveArguments& options);
   /// The outputs are checked already.
-  ExitCode (*verify)(const RegionMap& map, const VerifyTask& task);
+  ExitCode (*verify)(const RegionMap& map, const VerifyArguments& options);
 };
 
 /// The solver of a problem file's type; nullptr where its program is explored. Throws Error.

@@ -14,8 +14,6 @@ constexpr auto kInLog = std::chrono::seconds(10);
 constexpr double kSecondsPerMinute = 60.0;
 constexpr double kSecondsPerHour = 3600.0;
 
-constexpr double kWindow = 15.0;  // [s]
-
 }  // namespace
 
 std::string duration(double seconds) {
@@ -51,27 +49,18 @@ void Progress::show(const std::string& text) {
   open_ = terminal_;
 }
 
+std::function<void(std::uint64_t, std::uint64_t)> Progress::counter(const std::string& before,
+                                                                    const std::string& after) {
+  return [this, before, after](std::uint64_t done, std::uint64_t total) {
+    show(before + std::to_string(done) + " of " + std::to_string(total) + after);
+  };
+}
+
 void Progress::finish() {
   if (open_) std::fputs("\r\033[K", stderr);
   open_ = false;
 }
 
 double Progress::elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
-void RecentRate::add(double seconds, std::uint64_t count) {
-  const Sample now{seconds, static_cast<double>(count)};
-  if (!started_) before_ = after_ = now;
-  started_ = true;
-  if (seconds - after_.seconds > kWindow) {
-    before_ = after_;
-    after_ = now;
-  }
-  now_ = now;
-}
-
-double RecentRate::perSecond() const {
-  return now_.seconds > before_.seconds ? (now_.count - before_.count) / (now_.seconds - before_.seconds)
-                                        : 0.0;
-}
 
 }  // namespace polyfly

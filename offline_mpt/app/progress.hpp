@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace polyfly {
@@ -18,6 +19,10 @@ class Progress {
   /// Shows `text` and the time that has passed, if it is time to.
   void show(const std::string& text);
 
+  /// Shows "BEFORE DONE of TOTAL AFTER" for work that counts. The progress must outlive it.
+  std::function<void(std::uint64_t done, std::uint64_t total)> counter(const std::string& before,
+                                                                       const std::string& after);
+
   /// Ends the line.
   void finish();
 
@@ -32,22 +37,6 @@ class Progress {
   const bool terminal_;
   // Whether the terminal shows an unfinished line.
   bool open_ = false;
-};
-
-/// How fast a count has grown in the last quarter or half minute.
-class RecentRate {
- public:
-  void add(double seconds, std::uint64_t count);
-
-  /// 0 at first.
-  double perSecond() const;
-
- private:
-  struct Sample {
-    double seconds = 0.0, count = 0.0;
-  };
-  bool started_ = false;
-  Sample before_, after_, now_;
 };
 
 /// "12 s", "3 min 05 s", "2 h 10 min"

@@ -10,7 +10,6 @@
 #include "region_maps/map_image.hpp"
 #include "region_maps/region_map.hpp"
 #include "signals.hpp"
-#include "verify_reduction.hpp"
 
 namespace polyfly {
 namespace {
@@ -48,9 +47,7 @@ struct Result {
 Result reduceWithProgress(const RegionMap& map, const ReduceArguments& options) {
   Progress progress(options.quiet);
   ReduceOptions reduce_options = options.reduce;
-  reduce_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
-    progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws");
-  };
+  reduce_options.progress = progress.counter("joined regions of ", " laws");
   reduce_options.tree_progress = [&progress](std::uint64_t done, std::uint64_t) {
     progress.show("search tree, " + std::to_string(done) + " nodes");
   };
@@ -61,7 +58,7 @@ Result reduceWithProgress(const RegionMap& map, const ReduceArguments& options) 
   ReductionOptions proof;
   proof.threads = options.reduce.threads;
   proof.certificate = !options.certificate.empty();
-  proof.progress = [&progress](std::uint64_t done, std::uint64_t total) { showProof(progress, done, total); };
+  proof.progress = progress.counter("proof: ", " regions");
   ProvenReduction proven = reduceProven(map, options.output, reduce_options, proof);
   return {proven.stats, std::make_unique<MapImage>(std::move(proven.image)), std::move(proven.report)};
 }
@@ -97,7 +94,6 @@ ExitCode reduceMap(const ReduceArguments& options) {
 
 void addReduce(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<ReduceArguments>();
-  options->reduce.threads = defaultThreads();
   CLI::App* command = app.add_subcommand("reduce", "Write a smaller map with the same answers.");
   command->footer(kReduceFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
@@ -115,13 +111,8 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
       ->check(numberFrom(0.0, 1e-8))
       ->capture_default_str();
   command->add_option("--stats", options->stats, "Write sizes before and after to this file as JSON.");
-  command
-      ->add_option("--threads", options->reduce.threads,
-                   "Number of worker threads (default: all processors).")
-      ->check(wholeNumber(1, 256));
-  command
-      ->add_option("--time-limit", options->time_limit, "Stop after this many seconds (default: no limit).")
-      ->check(numberFrom(0.0));
+  addThreads(*command, options->reduce.threads);
+  addTimeLimit(*command, options->time_limit);
   command->add_flag("--no-proof", options->no_proof, "Write the map without a proof.");
   command
       ->add_option("--certificate", options->certificate,

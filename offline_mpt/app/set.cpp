@@ -39,8 +39,6 @@ const char* name(InvariantSet::Status status) {
       return "empty";
     case InvariantSet::Status::kLimit:
       return "limit";
-    case InvariantSet::Status::kInterrupted:
-      return "interrupted";
   }
   return "unknown";
 }
@@ -83,13 +81,13 @@ ExitCode computeInvariant(InvariantArguments arguments) {
   checkOutputs({{arguments.output}}, {arguments.model});
   InvariantOptions& options = arguments.options;
   options.exact = !arguments.floating;
-  options.stop = &stopOnSignal();
+  endOnSignal(arguments.model + ": interrupted: nothing was computed");
   const SetModel model = loadModel(arguments.model);
   const InvariantSet result = maximalInvariantSet(model, options);
   const bool is_known = result.status == InvariantSet::Status::kMaximal;
   const bool proven = is_known && proveInvariant(model, result.set).holds;
-  if (!arguments.output.empty() && result.status != InvariantSet::Status::kInterrupted)
-    writeText(arguments.output, setText(result.set));
+  ignoreSignals();
+  if (!arguments.output.empty()) writeText(arguments.output, setText(result.set));
   if (arguments.json) {
     printJson(result, options, proven);
   } else {

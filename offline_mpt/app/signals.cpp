@@ -49,13 +49,13 @@ bool hangUpIsIgnored() {
   return kIgnored;
 }
 
-void install(void (*handler)(int), int flags) {
+void install(void (*handler)(int)) {
   const bool without_hang_up = hangUpIsIgnored();
   for (const int signal : kSignals) {
     if (signal == SIGHUP && without_hang_up) continue;
     struct sigaction action = {};
     action.sa_handler = handler;
-    action.sa_flags = SA_RESTART | flags;
+    action.sa_flags = SA_RESTART;
     // Of two signals that end the program, one speaks.
     action.sa_mask = allSignals();
     sigaction(signal, &action, nullptr);
@@ -81,8 +81,8 @@ void setLastWords(const std::string& message) {
 
 }  // namespace
 
-const std::atomic<bool>& stopOnSignal(NextSignal next, double time_limit) {
-  install(setStop, next == NextSignal::kEnds ? static_cast<int>(SA_RESETHAND) : 0);
+const std::atomic<bool>& stopOnSignal(double time_limit) {
+  install(setStop);
   if (time_limit > 0.0) setAlarm(time_limit);
   return stop;
 }
@@ -92,19 +92,15 @@ bool stopRequested() { return stop.load(); }
 bool timeIsUp() { return time_is_up.load(); }
 
 void endOnSignal(const std::string& message, double time_limit) {
+  if (time_limit <= 0.0 && stopRequested()) endNow(message);
   const sigset_t all = allSignals();
   sigset_t before;
   // A signal that comes meanwhile waits for the new handler.
   pthread_sigmask(SIG_BLOCK, &all, &before);
   setLastWords(message);
-  install(sayAndEnd, 0);
+  install(sayAndEnd);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (time_limit > 0.0) setAlarm(time_limit);
-}
-
-void endOnAnySignal(const std::string& message) {
-  if (stopRequested()) endNow(message);
-  endOnSignal(message);
 }
 
 void endNow(const std::string& message) {
@@ -113,6 +109,6 @@ void endNow(const std::string& message) {
   std::abort();  // not reached
 }
 
-void ignoreSignals() { install(SIG_IGN, 0); }
+void ignoreSignals() { install(SIG_IGN); }
 
 }  // namespace polyfly

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
@@ -67,18 +68,16 @@ bool exists(const std::string& path) {
 Partition exploreWithProgress(const ParametricProgram& program, const SolveArguments& options,
                               ProcessGroup* group) {
   ExploreOptions explore_options = options.explore;
-  explore_options.stop = &stopOnSignal(NextSignal::kIsTaken, options.time_limit);
+  explore_options.stop = &stopOnSignal(options.time_limit);
   explore_options.checkpoint = checkpointOf(options);
   explore_options.group = group;
   Progress progress(options.quiet);
-  RecentRate recent;
+  std::optional<std::uint64_t> before;  // regions of a checkpoint
   explore_options.progress = [&](const ExploreProgress& state) {
-    recent.add(progress.elapsed(), state.regions);
-    std::string text = std::to_string(state.regions) + " regions, " + std::to_string(state.open) + " open";
-    if (const double rate = recent.perSecond(); rate > 0.0) {
-      text += ", " + std::to_string(std::llround(rate)) + " regions/s";
-    }
-    if (openSetsGrow(state.regions, state.open)) text += ", open sets grow faster than regions";
+    if (!before) before = state.regions;
+    const double rate = static_cast<double>(state.regions - *before) / progress.elapsed();
+    std::string text = std::to_string(state.regions) + " regions, " + std::to_string(state.open) + " open, " +
+                       std::to_string(std::llround(rate)) + " regions/s";
     if (state.unsaved) text += ", CHECKPOINT NOT WRITTEN";
     progress.show(text);
   };
@@ -120,7 +119,7 @@ void limitTree(const SolveArguments& options, const Partition& partition) {
                  checkpointOf(options).c_str(), regions.c_str());
   }
   const std::string message = unwritten + "; " + whatRemains(options, partition);
-  endOnAnySignal(message);
+  endOnSignal(message);
 }
 
 void checkFiles(const SolveArguments& options) {
@@ -202,9 +201,7 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
     if (options.explore.region_limit != ExploreOptions().region_limit || options.explore.memory_limit > 0)
       throw Error(options.problem + ": type: " + own->type +
                   " takes no --region-limit and no --memory-limit");
-    return own->solve({options.problem, options.map, options.stats, options.time_limit, options.tree_mode,
-                       options.tree_nodes, options.explore.threads, options.quiet, checkpointOf(options),
-                       options.explore.resume, options.explore.checkpoint_period});
+    return own->solve(options);
   }
   const ParametricProgram& program = input.program;
   if (!options.quiet) printRemarks(options.problem, program);
@@ -300,7 +297,6 @@ void addTreeOptions(CLI::App& command, TreeMode& mode, std::uint64_t& nodes) {
 
 void addSolve(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<SolveArguments>();
-  options->explore.threads = defaultThreads();
   CLI::App* command =
       app.add_subcommand("solve", "Solve a problem for all parameters and write the region map.");
   command->footer(kSolveFooter);
@@ -309,7 +305,12 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--stats", options->stats, "Write counts and times to this file as JSON.");
   command->add_option("--region-limit", options->explore.region_limit, "Stop after this many regions.")
       ->check(wholeNumber<std::uint64_t>(1));
-  addExploreLimits(*command, options->explore.threads, options->time_limit, options->explore.memory_limit);
+  addThreads(*command, options->explore.threads);
+  addTimeLimit(*command, options->time_limit);
+  command
+      ->add_option("--memory-limit", options->explore.memory_limit,
+                   "Stop when the exploration uses this many bytes; suffixes k, M, G (default: no limit).")
+      ->transform(byteCount());
   command->add_flag("--resume", options->explore.resume, "Continue from MAP.checkpoint.");
   command
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "command.hpp"
 #include "support/vector_text.hpp"
@@ -24,10 +23,6 @@ nlohmann::ordered_json phasesJson(const PhaseSeconds& seconds) {
           {"write", seconds.write}};
 }
 
-std::vector<double> numbers(const Eigen::VectorXd& theta) {
-  return {theta.data(), theta.data() + theta.size()};
-}
-
 // Regions between such rows may be thinner than a map can have.
 void reportNearRows(const SolveArguments& options, const Partition& partition) {
   if (partition.near_rows.empty()) return;
@@ -46,8 +41,6 @@ std::string checkpointOf(const SolveArguments& options) { return options.map + "
 bool isStopped(const Partition& partition) {
   return partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
 }
-
-bool openSetsGrow(std::uint64_t regions, std::uint64_t open) { return open > kManyOpenSets * (regions + 1); }
 
 std::string solveStats(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
                        const PhaseClock& clock, int threads, int processes) {
@@ -78,8 +71,8 @@ std::string solveStats(const ParametricProgram& program, const Partition& partit
   json["region_checks"] = map.cost().region_checks;
   json["multiply_adds"] = map.cost().multiply_adds;
   json["bytes"] = map.bytes();
-  if (partition.witness.size() > 0) json["witness"] = numbers(partition.witness);
-  if (partition.unbounded_at.size() > 0) json["unbounded_at"] = numbers(partition.unbounded_at);
+  if (partition.witness.size() > 0) json["witness"] = numbersOf(partition.witness);
+  if (partition.unbounded_at.size() > 0) json["unbounded_at"] = numbersOf(partition.unbounded_at);
   return json.dump(2) + "\n";
 }
 
@@ -93,7 +86,7 @@ void reportStop(const SolveArguments& options, const Partition& partition) {
   std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
                checkpointOf(options).c_str(), partition.regions.size(),
                static_cast<unsigned long long>(partition.stats.open_sets));
-  if (openSetsGrow(partition.regions.size(), partition.stats.open_sets)) {
+  if (partition.stats.open_sets > kManyOpenSets * (partition.regions.size() + 1)) {
     std::fprintf(
         stderr,
         "offline_mpt: %s: open sets grow faster than regions, because many bounds are active in many "

@@ -62,13 +62,13 @@ class PhaseClock {
   CpuStopwatch cpu_watch_;
 };
 
+/// Solves a problem of type robust_mpc.
+ExitCode solveRobust(const SolveArguments& options);
+
 /// The file that a stopped run leaves.
 std::string checkpointOf(const SolveArguments& options);
 
 bool isStopped(const Partition& partition);
-
-/// Whether the open sets are so many that the exploration may not end.
-bool openSetsGrow(std::uint64_t regions, std::uint64_t open);
 
 /// The text of --stats.
 std::string solveStats(const ParametricProgram& program, const Partition& partition, const RegionMap& map,

@@ -1,5 +1,3 @@
-#include "solve_robust.hpp"
-
 #include <unistd.h>
 
 #include <cstdio>
@@ -12,26 +10,28 @@
 #include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "signals.hpp"
-#include "stopwatch.hpp"
+#include "solve_report.hpp"
 #include "verify/self_check.hpp"
 
 namespace polyfly {
 namespace {
 
 /// Stopped, it leaves the half-spaces found so far in the checkpoint.
-FeasibleSet projectWithProgress(const RobustProgram& program, const SolveTask& task) {
-  Progress progress(task.quiet);
+FeasibleSet projectWithProgress(const RobustProgram& program, const SolveArguments& options) {
+  Progress progress(options.quiet);
   ProjectOptions project;
-  if (task.resume) project.known = readCuts(task.checkpoint, program);
-  project.stop = &stopOnSignal(NextSignal::kIsTaken);
+  if (options.explore.resume) project.known = readCuts(checkpointOf(options), program);
+  project.stop = &stopOnSignal();
   double saved = 0.0;  // when [s]
   project.save = [&](const std::vector<FeasibleSet::Facet>& cuts) {
     const double now = progress.elapsed();
-    if (!stopRequested() && (task.checkpoint_period == 0.0 || now < saved + task.checkpoint_period)) return;
-    writeCuts(task.checkpoint, cuts);
+    if (!stopRequested() &&
+        (options.explore.checkpoint_period == 0.0 || now < saved + options.explore.checkpoint_period))
+      return;
+    writeCuts(checkpointOf(options), cuts);
     saved = now;
   };
-  project.threads = task.threads;
+  project.threads = options.explore.threads;
   project.progress = [&](std::uint64_t facets, std::uint64_t vertices, std::uint64_t open) {
     progress.show("feasible set: " + std::to_string(facets) + " facets, " + std::to_string(vertices) +
                   " vertices, " + std::to_string(open) + " to cut off");
@@ -74,26 +74,26 @@ std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMa
 
 }  // namespace
 
-ExitCode solveRobust(const SolveTask& task) {
-  const std::string unwritten = task.map + ": stopped, nothing was written";
-  endOnSignal(unwritten, task.time_limit);
+ExitCode solveRobust(const SolveArguments& options) {
+  const std::string unwritten = options.map + ": stopped, nothing was written";
+  endOnSignal(unwritten, options.time_limit);
   Stopwatch watch;
-  const RobustProblem problem = loadRobustProblem(task.problem);
+  const RobustProblem problem = loadRobustProblem(options.problem);
   const RobustProgram program = buildRobustProgram(problem);
-  const FeasibleSet set = projectWithProgress(program, task);
-  const std::string stopped = unwritten + "; " + task.checkpoint +
+  const FeasibleSet set = projectWithProgress(program, options);
+  const std::string stopped = unwritten + "; " + checkpointOf(options) +
                               " holds half-spaces of the feasible set; " + "continue with --resume";
   if (set.interrupted) endNow(stopped);
-  writeCuts(task.checkpoint, set.facets);
-  endOnAnySignal(stopped);
+  writeCuts(checkpointOf(options), set.facets);
+  endOnSignal(stopped);
   const double project_time = watch.lap();
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
   const double region_time = watch.lap();
   TreeOptions tree;
-  tree.threads = task.threads;
-  tree.mode = task.tree_mode;
-  tree.node_limit = task.tree_nodes;
+  tree.threads = options.explore.threads;
+  tree.mode = options.tree_mode;
+  tree.node_limit = options.tree_nodes;
   const MapContent content = encode(rounded.program, rounded.partition, tree);
   const double encode_time = watch.lap();
   OnlineLp online(problem);
@@ -101,23 +101,23 @@ ExitCode solveRobust(const SolveTask& task) {
   const double check_time = watch.lap();
   ignoreSignals();
   if (!check.fault.empty()) {
-    std::fprintf(stderr, "offline_mpt: %s: not written: %s\n", task.map.c_str(), check.fault.c_str());
-    ::unlink(task.checkpoint.c_str());
+    std::fprintf(stderr, "offline_mpt: %s: not written: %s\n", options.map.c_str(), check.fault.c_str());
+    ::unlink(checkpointOf(options).c_str());
     return ExitCode::kFailed;
   }
-  writeMap(content, task.map);
-  ::unlink(task.checkpoint.c_str());
-  const RegionMap map = RegionMap::open(task.map);
+  writeMap(content, options.map);
+  ::unlink(checkpointOf(options).c_str());
+  const RegionMap map = RegionMap::open(options.map);
   const double write_time = watch.lap();
-  if (!task.stats.empty())
-    writeText(task.stats,
+  if (!options.stats.empty())
+    writeText(options.stats,
               statsOf(set, law, map, {project_time, region_time, encode_time, check_time, write_time}));
-  if (!task.quiet) {
+  if (!options.quiet) {
     std::printf(
         "%s: complete, %zu regions, %zu laws, depth %u, %zu bytes; feasible set of %zu facets and %zu "
         "vertices, each proven, in %.3g s, regions in %.3g s, tree in %.3g s\n",
-        task.map.c_str(), map.regionCount(), map.lawCount(), map.cost().depth, map.bytes(), set.facets.size(),
-        set.vertices.size(), project_time, region_time, encode_time);
+        options.map.c_str(), map.regionCount(), map.lawCount(), map.cost().depth, map.bytes(),
+        set.facets.size(), set.vertices.size(), project_time, region_time, encode_time);
   }
   return ExitCode::kDone;
 }

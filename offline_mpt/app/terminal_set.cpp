@@ -50,7 +50,9 @@ ExitCode addTerminalSetTo(const TerminalSetArguments& options) {
   const std::string text = readProblem(options.problem);
   const MpcProblem problem = parseProblem(text, options.problem);
   if (problem.T.rows() > 0) throw Error(options.problem + ": terminal_set: is given already");
-  const TerminalSet set = terminalSet(problem, &stopOnSignal());
+  endOnSignal(options.problem + ": interrupted: nothing was written");
+  const TerminalSet set = terminalSet(problem);
+  ignoreSignals();
   const std::string result = text + (text.back() == '\n' ? "" : "\n") + keyText(set);
   parseProblem(result, options.output);
   writeText(options.output, result);

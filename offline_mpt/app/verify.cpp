@@ -4,15 +4,12 @@
 #include <memory>
 
 #include "command.hpp"
-#include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
 #include "problem_types.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
-#include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
 #include "verify_exact.hpp"
-#include "verify_reduction.hpp"
 
 namespace polyfly {
 namespace {
@@ -37,48 +34,19 @@ Examples:
   offline_mpt verify small.map --reduced-from lateral.map --certificate small.cert
   offline_mpt verify lateral.map --json report.json)";
 
-struct VerifyArguments {
-  std::string map;
-  std::string problem;
-  std::string json;
-  VerifyOptions verify;
-  bool quiet = false;
-  bool exact = false;
-  bool repair = false;
-  std::string certificate;
-  std::string reduced_from;
-  std::string output;
-  double time_limit = 0.0;
-};
-
 ExitCode verifyMap(const VerifyArguments& options) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
   checkOutputs({{options.json}}, inputs);
   const RegionMap map = RegionMap::open(options.map);
-  if (const OwnSolver* own = ownSolverOf(map); own != nullptr) {
-    VerifyTask task;
-    task.problem = options.problem;
-    task.json = options.json;
-    task.samples = options.verify.samples;
-    task.seed = options.verify.seed;
-    task.tolerance = options.verify.tolerance;
-    task.threads = options.verify.threads;
-    task.quiet = options.quiet;
-    return own->verify(map, task);
-  }
-  const ParametricProgram program =
-      options.problem.empty() ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
-                                             options.map + ": problem text")
-                              : loadCompleteProgram(options.problem);
+  if (const OwnSolver* own = ownSolverOf(map); own != nullptr) return own->verify(map, options);
+  const ParametricProgram program = programOf(options, map);
   VerifyOptions verify_options = options.verify;
   verify_options.stop = &stopOnSignal();
   VerifyReport report;
   {
     Progress progress(options.quiet);
-    verify_options.progress = [&](std::uint64_t done, std::uint64_t total) {
-      progress.show(std::to_string(done) + " of " + std::to_string(total) + " samples");
-    };
+    verify_options.progress = progress.counter("", " samples");
     report = verify(map, program, verify_options);
   }
   if (!options.json.empty()) writeText(options.json, verifyJson(report));
@@ -122,7 +90,6 @@ void addExact(CLI::App* command, const std::shared_ptr<VerifyArguments>& options
 
 void addVerify(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<VerifyArguments>();
-  options->verify.threads = defaultThreads();
   CLI::App* command =
       app.add_subcommand("verify", "Compare a map with direct solutions of its problem, or prove it.");
   command->footer(kVerifyFooter);
@@ -139,26 +106,16 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
                    "Greatest error of the input, as a share of its range.")
       ->check(numberAbove(0.0))
       ->capture_default_str();
-  command
-      ->add_option("--threads", options->verify.threads,
-                   "Number of worker threads (default: all processors).")
-      ->check(wholeNumber(1, 256));
+  addThreads(*command, options->verify.threads);
   command->add_option("--json", options->json, "Write the report to this file as JSON.");
   command->add_flag("--quiet", options->quiet, "Print nothing. The exit code is the answer.");
   addExact(command, options);
   command->callback([options, &exit_code] {
-    if (!options->reduced_from.empty()) {
-      exit_code = verifyReducedMap({options->map, options->reduced_from, options->json, options->certificate,
-                                    options->verify.threads, options->quiet});
-      return;
-    }
-    if (!options->certificate.empty() && !options->exact)
+    if (!options->certificate.empty() && !options->exact && options->reduced_from.empty())
       throw CLI::ValidationError("--certificate requires --exact or --reduced-from");
-    exit_code =
-        options->exact
-            ? verifyExact({options->map, options->problem, options->certificate, options->json,
-                           options->output, options->verify.threads, options->quiet, options->time_limit})
-            : verifyMap(*options);
+    exit_code = !options->reduced_from.empty() ? verifyReducedMap(*options)
+                : options->exact               ? verifyExact(*options)
+                                               : verifyMap(*options);
   });
 }
 

@@ -1,29 +1,18 @@
 #pragma once
 
-#include <string>
-
-#include "command.hpp"
+#include "problem_types.hpp"
 
 namespace polyfly {
 
-/// What `verify --exact` was asked for.
-struct VerifyExactOptions {
-  std::string map;
-  /// Problem file. Empty: the problem that the map carries.
-  std::string problem;
-  /// Certificate file to write. Empty: none.
-  std::string certificate;
-  /// JSON file to write. Empty: none.
-  std::string json;
-  /// File of the repaired map. Empty: no repair.
-  std::string output;
-  int threads = 1;
-  bool quiet = false;
-  double time_limit = 0.0;  ///< [s], 0: none
-};
-
 /// Proves the map in rational arithmetic, or refutes it; with `output`, repairs it, writes the new map and
 /// proves that one. kDone when what was asked for is proven. The processes of an MPI launcher prove together.
-ExitCode verifyExact(const VerifyExactOptions& options);
+ExitCode verifyExact(const VerifyArguments& options);
+
+/// Proves that a reduced map answers as the original, or refutes it. kDone when it is proven.
+ExitCode verifyReducedMap(const VerifyArguments& options);
+
+/// Proves the map of a robust_mpc in fractions, or compares it with linear programs at samples. Throws Error where a
+/// repair is asked for, which there is not, or a certificate of another problem than the map carries.
+ExitCode verifyRobust(const RegionMap& map, const VerifyArguments& options);
 
 }  // namespace polyfly

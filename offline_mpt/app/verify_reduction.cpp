@@ -1,30 +1,26 @@
-#include "verify_reduction.hpp"
+#include "offline_mpt/verify_reduction.hpp"
 
 #include <cstdio>
 
+#include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "signals.hpp"
+#include "verify_exact.hpp"
 
 namespace polyfly {
 
-void showProof(Progress& progress, std::uint64_t done, std::uint64_t total) {
-  progress.show("proof: " + std::to_string(done) + " of " + std::to_string(total) + " regions");
-}
-
-ExitCode verifyReducedMap(const VerifyReductionOptions& options) {
-  checkOutputs({{options.json}, {options.certificate}}, {options.map, options.original});
+ExitCode verifyReducedMap(const VerifyArguments& options) {
+  checkOutputs({{options.json}, {options.certificate}}, {options.map, options.reduced_from});
   endOnSignal(options.map + ": interrupted: nothing is proven");
   const RegionMap reduced = RegionMap::open(options.map);
-  const RegionMap original = RegionMap::open(options.original);
+  const RegionMap original = RegionMap::open(options.reduced_from);
   ReductionReport report;
   {
     Progress progress(options.quiet);
     ReductionOptions proof;
-    proof.threads = options.threads;
+    proof.threads = options.verify.threads;
     proof.certificate = !options.certificate.empty();
-    proof.progress = [&progress](std::uint64_t done, std::uint64_t total) {
-      showProof(progress, done, total);
-    };
+    proof.progress = progress.counter("proof: ", " regions");
     report = verifyReduction(reduced, original, proof);
   }
   ignoreSignals();

@@ -37,11 +37,7 @@ SafetyVerdict verifySafety(const ParametricProgram& program, const std::string& 
   const FilterAnswers answers = proveAnswers(RegionMap::open(map), problem);
   verdict.holds = proof.holds() && answers.hold();
   verdict.text = filterProofText(problem, proof) + filterAnswersText(answers);
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(filterProofJson(problem, proof));
-  json["passes_wishes"] = answers.passes_wishes;
-  json["answers_within_margin"] = answers.within_slack;
-  json["part_of_margin"] = answers.used;
-  verdict.json = json.dump();
+  verdict.json = filterProofJson(problem, proof, answers);
   return verdict;
 }
 

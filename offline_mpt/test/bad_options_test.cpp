@@ -94,6 +94,7 @@ TEST_F(BadOptions, WhatWasRemovedSaysWhatToUse) {
   write("toy.json", kToy);
   output("solve toy.json -o toy.map");
   expectRefused("count toy.json --map-limit 24G", {"count: was removed; ", "--region-limit"});
+  expectRefused("bounds toy.json flight.csv", {"bounds: was removed; ", "disturbance_ranges"});
   expectRefused("reduce toy.map -o x.map --merge greedy", {"--merge: was removed; ", "joined in pairs"});
   expectRefused("reduce toy.map --separate -o x.map", {"--separate: was removed; ", "small"});
 }

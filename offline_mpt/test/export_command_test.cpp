@@ -57,43 +57,13 @@ TEST_F(ExportCommand, OnlineWritesASolverOfAMapOrAProblem) {
   expectRefused(exportWith("--online --iteration-limit 0"));
 }
 
-TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
-  const auto bytes = [&](const std::string& type) {
-    output(exportWith("--type " + type));
-    return json("code/clip.json")["flash_bytes"].get<int>();
-  };
-  const int in_double = bytes("double"), in_float = bytes("float");
-  ASSERT_LT(in_float, in_double);
-  const auto typeWithin = [&](int limit) {
-    output(exportWith("--flash-limit " + std::to_string(limit)));
-    return json("code/clip.json")["type"];
-  };
-  EXPECT_EQ(typeWithin(in_double), "double");
-  EXPECT_EQ(typeWithin(in_double - 1), "float");
-  EXPECT_EQ(typeWithin(in_float), "float");
-  EXPECT_EQ(confirm().exit_code, 0);
-  // No map in no type is smaller than this.
-  expectRefused(exportWith("--flash-limit 60"), {std::to_string(in_double) + " bytes as the map in double",
-                                                 std::to_string(in_float) + " bytes as the map in float"});
-  expectRefused(exportWith("--type double --flash-limit 60"));
-}
-
-// No code in float is within what this filter's proof allows, so a limit of flash takes the one with the least error.
-TEST_F(ExportCommand, TheLimitOfFlashPassesGreatErrorsOver) {
-  std::string filter = text("problems/safety/double_integrator_float.yaml");
-  const std::string allowance = "error: 0.005";
-  ASSERT_TRUE(holds(filter, allowance));
-  write("tight.yaml", filter.replace(filter.find(allowance), allowance.size(), "error: 1.0e-4"));
-  output("solve tight.yaml -o other.map");
-  const std::string line = "export other.map -o code --name code --type float";
-  const auto error = [&] {
-    EXPECT_EQ(json("code/code.json")["is_allowed"], false);
-    return json("code/code.json")["error_bound"][0].get<double>();
-  };
-  EXPECT_TRUE(holds(output(line), "the map in float"));
-  const double as_it_is = error();
-  output(line + " --flash-limit 1M");
-  EXPECT_LE(error(), as_it_is);
+TEST_F(ExportCommand, CodeBeyondTheLimitOfFlashIsRefused) {
+  output(exportWith(""));
+  const int bytes = json("code/clip.json")["flash_bytes"].get<int>();
+  output(exportWith("--flash-limit " + std::to_string(bytes)));
+  const std::string limit = "--flash-limit " + std::to_string(bytes - 1);
+  expectRefused(exportWith(limit), {"in double needs " + std::to_string(bytes) + " bytes; --type float"});
+  output(exportWith("--type float " + limit));
 }
 
 TEST_F(ExportCommand, TheTypeThatWasRemovedIsRefusedWithWhatToUse) {

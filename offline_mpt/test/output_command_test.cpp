@@ -54,9 +54,7 @@ TEST_F(OutputCommand, KeepsTheFilesThatAProblemCites) {
   for (const std::string name : {"tracking.yaml", "robust.yaml"}) {
     expectNameOfItsOwn("solve " + name + " -o flight.yaml");
     expectNameOfItsOwn("verify toy.map --problem " + name + " --json flight.yaml");
-    expectNameOfItsOwn("bounds " + name + " thetas.csv --json flight.yaml");
   }
-  expectNameOfItsOwn("bounds robust.yaml thetas.csv --json thetas.csv");
 }
 
 // A map is read back; a checkpoint is written in any order.

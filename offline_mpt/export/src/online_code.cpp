@@ -17,7 +17,7 @@ namespace polyfly {
 namespace {
 
 constexpr std::size_t kMaxVertices = 16;
-/// Vectors of the test, besides vertices and the parameter with the most operations.
+/// Vectors of the test, besides vertices and the parameter with the most iterations.
 constexpr std::size_t kMaxVectors = 64;
 /// What stays in u where there is no answer.
 constexpr double kUntouched = 0.5;
@@ -134,10 +134,8 @@ class Trial {
     code_.record.infeasible += status == OnlineStatus::kInfeasible;
     code_.record.stopped += status == OnlineStatus::kIterations;
 
-    if (status != OnlineStatus::kIterations) {
+    if (status != OnlineStatus::kIterations)
       code_.record.iterations = std::max(code_.record.iterations, solver_.iterations());
-      code_.record.multiply_adds = std::max(code_.record.multiply_adds, solver_.multiplyAdds());
-    }
 
     std::vector<double> u(found.size(), kUntouched);
     const Answer answer = oracle_.solve(theta, u);
@@ -153,8 +151,8 @@ class Trial {
       greatest_[j] = std::max(greatest_[j], std::abs(u[j]));
       code_.record.error[j] = std::max(code_.record.error[j], std::abs(found[j] - u[j]));
     }
-    if (is_feasible && solver_.multiplyAdds() > costliest_multiply_adds_) {
-      costliest_multiply_adds_ = solver_.multiplyAdds();
+    if (is_feasible && solver_.iterations() > most_iterations_) {
+      most_iterations_ = solver_.iterations();
       costliest_ = theta;
       costliest_u_ = u;
     }
@@ -186,7 +184,7 @@ class Trial {
   OnlineSolver<Real> solver_;
   Oracle oracle_;
   std::vector<double> greatest_;
-  std::uint64_t costliest_multiply_adds_ = 0;
+  std::uint32_t most_iterations_ = 0;
   std::vector<double> costliest_, costliest_u_;
 };
 

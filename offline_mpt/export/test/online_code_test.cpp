@@ -91,7 +91,6 @@ void expectSameBits(const OnlineCode& code, const ScratchFolder& folder, const P
     std::vector<Real> expected(m, 0.5), found(m, 0.5);
     ASSERT_EQ(compiled.solve(theta.data(), found.data()), solver.solve(theta.data(), expected.data()));
     ASSERT_EQ(found, expected);
-    ASSERT_LE(solver.multiplyAdds(), onlineMultiplyAdds(code.tables, solver.iterations()));
   }
 }
 

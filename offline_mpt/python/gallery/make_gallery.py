@@ -10,8 +10,7 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-SCRIPTS = ("double_integrator", "ball_on_plate", "quadruple_tank", "vehicle_lateral", "rover_heading", "multirotor_axes",
-           "robust", "reduction", "certificate", "wind")
+SCRIPTS = ("double_integrator", "ball_on_plate", "rover_heading", "robust", "reduction", "certificate", "wind")
 STYLE = """body { font: 15px/1.5 Helvetica, Arial, sans-serif; color: #1d2733; max-width: 1000px; margin: 2em auto; padding: 0 1em }
 h1, h2 { font-weight: 600 } img { max-width: 100%; border: 1px solid #d5dbe1 }
 pre { background: #f4f6f8; padding: 0.8em; overflow-x: auto; font-size: 13px } nav a { margin-right: 1em }"""

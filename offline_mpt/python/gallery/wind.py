@@ -4,7 +4,6 @@ import sys
 
 import numpy as np
 import polyfly as pf
-from line_chart import write_chart
 
 PROBLEMS = pathlib.Path(__file__).resolve().parents[3] / "region_maps/problems"
 
@@ -30,4 +29,5 @@ def fly(known_wind):
 curves = {"mean wind known": fly(MEAN), "not known": fly(0.0)}
 for name, positions in curves.items():
     print(f"{name}: mean error of the last 10 s {np.mean(positions[-100:]):+.2f} m")
-write_chart(sys.argv[1], "Position in gusts", ("time [s]", "p_y [m]"), np.arange(STEPS) * problem.sampling_time, curves)
+
+law.plot("e_p_y", "e_v_y", output=sys.argv[1])

@@ -1,8 +1,16 @@
 """A control law in a loop: from state and reference to the input."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ._polyfly import Error, Map, RobustProblem, parse_problem, parse_robust_problem
+from ._polyfly import Error, Map, Problem, RobustProblem, parse_problem, parse_robust_problem
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import ArrayLike
 
 # Smaller entries of a steady state, beside the greatest of its column, are rounding.
 _ROUNDING = 1e-12
@@ -28,7 +36,7 @@ class Law:
     place of the law: `Law(problem, law=...)`. One object serves one loop.
     """
 
-    def __init__(self, source, law=None):
+    def __init__(self, source: Map | Problem, law: Callable[[np.ndarray], ArrayLike] | None = None) -> None:
         if _is_robust(source):
             raise Error(f"{source.name}: is a robust_mpc, which RobustLaw flies")
         self.problem = _problem_of(source, parse_problem)
@@ -66,11 +74,11 @@ class Law:
             raise Error(f"{self.problem.name}: {field}: must be a vector of {size} numbers, got the shape {value.shape}")
         return value
 
-    def reset(self):
+    def reset(self) -> None:
         """Forgets the last input."""
         self._u_previous = None
 
-    def theta(self, state, reference, disturbance=None):
+    def theta(self, state: ArrayLike, reference: ArrayLike, disturbance: ArrayLike | None = None) -> np.ndarray:
         """The parameter of the law at a state, for an output that is to be held at `reference`.
 
         Raises Error where the steady state (Eq. 6) needs a parameter that the law does not have, or has with another value.
@@ -90,7 +98,7 @@ class Law:
                             f"but state, reference and disturbance make it {values[role][index]:g}; give it a range")
         return np.array([values[entry.role][entry.index] for entry in self.problem.parameters])
 
-    def step(self, state, reference, disturbance=None):
+    def step(self, state: ArrayLike, reference: ArrayLike, disturbance: ArrayLike | None = None) -> np.ndarray:
         """The input for the next period. Raises OutsideError where the law has none; the last input stands then."""
         u = np.asarray(self._law(self.theta(state, reference, disturbance)))
         self._u_previous = u
@@ -103,14 +111,14 @@ class RobustLaw:
     `source` is a Map, which is looked up, or a RobustProblem, which is solved online. The law has no memory.
     """
 
-    def __init__(self, source):
+    def __init__(self, source: Map | RobustProblem) -> None:
         self.problem = _problem_of(source, parse_robust_problem)
         self._law = source if isinstance(source, Map) else source.online()
         self._errors, self._shifts = self.problem.error_parameters, self.problem.state_shifts
         self._places = {signal.name: place for place, signal in enumerate(self.problem.parameters)
                         if place not in self._errors}
 
-    def theta(self, state, reference=0.0, parameters=None):
+    def theta(self, state: ArrayLike, reference: ArrayLike = 0.0, parameters: Mapping[str, float] | None = None) -> np.ndarray:
         """The parameter of the law at a state.
 
         reference    state to be held: a number for each state, or one for all
@@ -124,6 +132,6 @@ class RobustLaw:
         theta[self._errors] = np.asarray(state, dtype=float) - reference - self._shifts @ theta
         return theta
 
-    def step(self, state, reference=0.0, parameters=None):
+    def step(self, state: ArrayLike, reference: ArrayLike = 0.0, parameters: Mapping[str, float] | None = None) -> np.ndarray:
         """The input for the next period, as `theta` takes them. Raises OutsideError where the law has none."""
         return np.atleast_1d(self._law(self.theta(state, reference, parameters)))[:1]

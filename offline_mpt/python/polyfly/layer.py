@@ -1,7 +1,17 @@
 """A map as a layer that can be differentiated, for gradients through a control law."""
+from __future__ import annotations
+
 import functools
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike
+
+    from ._polyfly import Map
 
 
 class Layer:
@@ -15,11 +25,11 @@ class Layer:
     look-up finds. `layer(thetas)` gives u alone; of a PyTorch tensor it is a tensor that autograd differentiates.
     """
 
-    def __init__(self, law):
+    def __init__(self, law: Map) -> None:
         self.map = law
         self._gains = np.stack([region.K for region in law.regions])
 
-    def vjp(self, thetas):
+    def vjp(self, thetas: ArrayLike) -> tuple[np.ndarray, Callable[[ArrayLike], np.ndarray]]:
         """u, and the function that takes weights of u back to weights of theta."""
         thetas = np.asarray(thetas, dtype=float)
         rows = np.ascontiguousarray(thetas.reshape(-1, thetas.shape[-1]))
@@ -34,7 +44,7 @@ class Layer:
 
         return u.reshape(thetas.shape[:-1] + u.shape[1:]), pullback
 
-    def __call__(self, thetas):
+    def __call__(self, thetas: Any) -> Any:
         if type(thetas).__module__.partition(".")[0] == "torch":
             return _torch_function().apply(thetas, self)
         return self.vjp(thetas)[0]

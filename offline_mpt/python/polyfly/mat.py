@@ -1,15 +1,18 @@
 """Programs out of MATLAB's files."""
+from __future__ import annotations
+
+import os
 import pathlib
 
 import numpy as np
 
-from ._polyfly import MPLP, MPQP, Error
+from ._polyfly import MPLP, MPQP, Error, Program
 
 REQUIRED = ("f", "F", "A", "b", "B", "lo", "hi")
 VECTORS = ("f", "b", "lo", "hi", "b_theta")
 
 
-def load_mat(path):
+def load_mat(path: str | os.PathLike[str]) -> Program:
     """The Program of a .mat file whose variables are named as the arguments of MPQP. Without H it is an MPLP.
 
     `A_theta`, `b_theta`, `out` and `equalities` may be there; the last two count from 1, as MATLAB does. Other variables

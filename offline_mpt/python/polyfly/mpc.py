@@ -1,9 +1,20 @@
 """A tracking problem stated in a few lines. What it builds is the text of a problem file."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ._polyfly import Error, parse_problem
+from ._polyfly import Error, Problem, parse_problem
 from .statement import (Statement, column, head, matrix, number, ranges, row, rows, signal_lines, signals, state_signals,
                         weight)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike
+
+    from .statement import Names, Range, Softness
 
 
 class MPC(Statement):
@@ -21,8 +32,9 @@ class MPC(Statement):
     `cost`, `bounds` and `parameters` return the object. `problem` checks it all, with the sentences of a problem file.
     """
 
-    def __init__(self, A, B, Ts, horizon, C, *, Bd=None, time="continuous", states=None, inputs=None, disturbances=None,
-                 name="mpc", description=""):
+    def __init__(self, A: ArrayLike, B: ArrayLike, Ts: float, horizon: int, C: ArrayLike, *, Bd: ArrayLike | None = None,
+                 time: str = "continuous", states: Names = None, inputs: Names = None, disturbances: Names = None,
+                 name: str = "mpc", description: str = "") -> None:
         self._A, self._B, self._C = matrix(A), column(B), matrix(C)
         self._Bd = None if Bd is None else column(Bd)
         self._time, self._period, self._horizon, self._name, self._description = time, Ts, horizon, name, description
@@ -30,7 +42,7 @@ class MPC(Statement):
         self._inputs = signals(inputs, "u", self._B.shape[1])
         self._weights, self._bounds, self._constraints = None, (None, None, None, None), []
 
-    def cost(self, Q, R, R_delta=None, terminal="riccati"):
+    def cost(self, Q: ArrayLike, R: ArrayLike, R_delta: ArrayLike | None = None, terminal: str | ArrayLike = "riccati") -> MPC:
         """Weights of x - x_ref, u - u_ref and of the change of u: diagonals or matrices.
 
         terminal    weight at the end of the horizon, as Q; "riccati": the solution of the Riccati equation
@@ -38,7 +50,7 @@ class MPC(Statement):
         self._weights = (Q, R, R_delta, terminal)
         return self
 
-    def bounds(self, x=None, u=None, e=None, soft=None):
+    def bounds(self, x: Range | None = None, u: Range | None = None, e: Range | None = None, soft: Softness = None) -> MPC:
         """Pairs (lower, upper) of numbers or lists, or a list of such pairs, one for each signal; infinite where there is none.
 
         x       of x itself along the horizon. Where u_ref is a parameter, `STATE_ref` must be one too
@@ -50,7 +62,8 @@ class MPC(Statement):
         self._bounds = (x, u, e, soft)
         return self
 
-    def constraint(self, of, lower=-np.inf, upper=np.inf, *, name=None, unit=None, soft=None, measured_from="zero"):
+    def constraint(self, of: str | Mapping[str, float], lower: float = -np.inf, upper: float = np.inf, *, name: str | None = None,
+                   unit: str | None = None, soft: Softness = None, measured_from: str = "zero") -> MPC:
         """Adds a bound on one state or input, or on a sum {name: coefficient}, which needs a name and a unit.
 
         soft             as for `bounds`
@@ -64,7 +77,7 @@ class MPC(Statement):
         self._constraints.append("  - {" + ", ".join(parts) + f", measured_from: {measured_from}}}")
         return self
 
-    def parameters(self, ranges_by_name):
+    def parameters(self, ranges_by_name: Mapping[str, tuple[float, float] | float]) -> MPC:
         """The box of the law: {name: (lower, upper)}, in the order of theta.
 
         `e_STATE` is x - x_ref of a state (one for each), `INPUT_prev` the input one period ago, `INPUT_ref` the input
@@ -73,7 +86,7 @@ class MPC(Statement):
         """
         return super().parameters(ranges_by_name)
 
-    def text(self):
+    def text(self) -> str:
         """The problem file (YAML)."""
         if self._weights is None or self._bounds[1] is None or self._parameters is None:
             raise Error(f"{self._name}: cost, bounds of u and parameters must be given")
@@ -83,7 +96,7 @@ class MPC(Statement):
         lines += self._parameter_lines(states)
         return "\n".join(lines) + "\n"
 
-    def problem(self):
+    def problem(self) -> Problem:
         """The Problem: checked, to be solved, saved or flown."""
         return parse_problem(self.text(), self._name)
 

@@ -1,7 +1,18 @@
 """A minimum-peak robust problem stated in a few lines. What it builds is the text of a problem file."""
-from ._polyfly import Error, parse_robust_problem
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ._polyfly import Error, RobustProblem, parse_robust_problem
 from .statement import (Statement, column, head, matrix, number, ranges, row, rows, signal_lines, signals, state_signals,
                         weight)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike
+
+    from .statement import Exact, Names, Range
 
 
 class RobustMPC(Statement):
@@ -25,8 +36,10 @@ class RobustMPC(Statement):
     `problem` checks it all, with the sentences of a problem file.
     """
 
-    def __init__(self, A, B, G, Ts, horizon, C, *, time="continuous", bits=None, stack=None, invariance=None, floor=None,
-                 peak_in_map=None, states=None, inputs=None, disturbances=None, name="robust_mpc", description=""):
+    def __init__(self, A: ArrayLike, B: ArrayLike, G: ArrayLike, Ts: Exact, horizon: int, C: ArrayLike, *,
+                 time: str = "continuous", bits: int | None = None, stack: str | None = None, invariance: str | None = None,
+                 floor: Exact | None = None, peak_in_map: bool | None = None, states: Names = None, inputs: Names = None,
+                 disturbances: Names = None, name: str = "robust_mpc", description: str = "") -> None:
         self._A, self._B, self._G, self._C = matrix(A), column(B), column(G), matrix(C)
         self._period, self._horizon, self._time, self._bits = Ts, horizon, time, bits
         self._options = {"stack": stack, "invariance": invariance, "floor": None if floor is None else number(floor),
@@ -36,36 +49,37 @@ class RobustMPC(Statement):
         self._disturbances = signals(disturbances, "w", self._G.shape[1])
         self._bounds, self._tie_break, self._references = None, None, {}
 
-    def tie_break(self, Q=None, R=None, gain=None):
+    def tie_break(self, Q: ArrayLike | None = None, R: ArrayLike | None = None, gain: ArrayLike | None = None) -> RobustMPC:
         """Of several optimal inputs, the nearest to K e: K = `gain`, or that of the LQR with weights Q and R."""
         self._tie_break = _gain_text(gain, Q, R)
         return self
 
-    def feedback(self, predictions, Q=None, R=None, gain=None):
+    def feedback(self, predictions: str, Q: ArrayLike | None = None, R: ArrayLike | None = None,
+                 gain: ArrayLike | None = None) -> RobustMPC:
         """Feedback in the predictions: "free", "zero", or "fixed" to that of a gain, by default that of `tie_break`."""
         self._options["feedback_predictions"] = predictions
         given = gain is not None or Q is not None or R is not None
         self._options["feedback_gain"] = _gain_text(gain, Q, R) if given else None
         return self
 
-    def bounds(self, u, w, x=None):
+    def bounds(self, u: Range, w: Range, x: Range | None = None) -> RobustMPC:
         """Pairs (lower, upper) of u, of the disturbances w, and of x along the horizon, infinite where there is none."""
         self._bounds = (x, u, w)
         return self
 
-    def reference(self, name, state, input, unit="1"):
+    def reference(self, name: str, state: ArrayLike, input: ArrayLike, unit: str = "1") -> RobustMPC:
         """A parameter r that moves the reference: x = e + state * r, u = u~ + input * r."""
         self._references[name] = (state, input, unit)
         return self
 
-    def parameters(self, ranges_by_name):
+    def parameters(self, ranges_by_name: Mapping[str, tuple[Exact, Exact]]) -> RobustMPC:
         """The box of the law: {name: (lower, upper)}, in the order of theta.
 
         `e_STATE` is x - x_ref of a state (one for each). Others are names given to `reference`.
         """
         return super().parameters(ranges_by_name)
 
-    def text(self):
+    def text(self) -> str:
         """The problem file (YAML)."""
         if self._tie_break is None or self._bounds is None or self._parameters is None:
             raise Error(f"{self._name}: tie_break, bounds of u and w, and parameters must be given")
@@ -76,7 +90,7 @@ class RobustMPC(Statement):
         lines += [f"tie_break: {self._tie_break}"] + self._parameter_lines(states)
         return "\n".join(lines) + "\n"
 
-    def problem(self):
+    def problem(self) -> RobustProblem:
         """The RobustProblem: checked, to be solved, saved or flown."""
         return parse_robust_problem(self.text(), self._name)
 

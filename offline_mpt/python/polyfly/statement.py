@@ -1,9 +1,27 @@
 """What the builders of problems share: numbers and signals as text of a problem file, and what is done with it."""
+from __future__ import annotations
+
 import numbers
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._polyfly import Error
+from ._polyfly import Error, Map, OnlineProgram, OnlineRobust
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping, Sequence
+    from fractions import Fraction
+    from typing import Any, Optional, TypeVar, Union
+
+    from numpy.typing import ArrayLike
+
+    Names = Optional[Sequence[Union[str, tuple[str, str]]]]
+    Range = tuple[ArrayLike, ArrayLike]
+    Softness = Optional[Union[float, Mapping[str, Union[float, str]]]]
+    Exact = Union[float, str, Fraction]
+    Ranges = Mapping[str, Any]
+    Self = TypeVar("Self", bound="Statement")
 
 
 def number(value):
@@ -95,23 +113,23 @@ class Statement:
 
     _parameters = None
 
-    def parameters(self, ranges_by_name):
+    def parameters(self: Self, ranges_by_name: Ranges) -> Self:
         """The box of the law: {name: (lower, upper)}, in the order of theta."""
         self._parameters = dict(ranges_by_name)
         return self
 
-    def explicit(self, parameters=None, **options):
+    def explicit(self, parameters: Ranges | None = None, **options: Any) -> Map:
         """The Map of the problem; options are those of Problem.solve."""
         if parameters is not None:
             self.parameters(parameters)
         return self.problem().solve(**options)
 
-    def online(self, parameters=None):
+    def online(self, parameters: Ranges | None = None) -> OnlineProgram | OnlineRobust:
         """The problem for solutions at single parameters."""
         if parameters is not None:
             self.parameters(parameters)
         return self.problem().online()
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the problem file, for `offline_mpt solve`."""
         self.problem().save(path)

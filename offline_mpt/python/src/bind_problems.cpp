@@ -15,7 +15,6 @@
 #include "mpc_core/online_program.hpp"
 #include "path_caster.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "solve.hpp"
 
 namespace polyfly::python {
@@ -96,9 +95,8 @@ void bindProblems(py::module_& module) {
   defineSolve(type, [](const MpcProblem& problem, const SolveOptions& options, py::object progress) {
     return solveProgram(condense(problem), options, std::move(progress));
   });
-  type.def_readonly("name", &MpcProblem::name)
-      .def_readonly("description", &MpcProblem::description)
-      .def_readonly("text", &MpcProblem::text, "Text of the problem file.")
+  defineText(type);
+  type.def_readonly("description", &MpcProblem::description)
       .def_readonly("states", &MpcProblem::states,
                     "With the bounds on x - x_ref, infinite where there are none.")
       .def_readonly("inputs", &MpcProblem::inputs, "With the bounds of u.")
@@ -134,13 +132,7 @@ void bindProblems(py::module_& module) {
       .def(
           "online",
           [](const MpcProblem& problem) { return std::make_unique<OnlineProgram>(condense(problem)); },
-          "The problem for solutions at single parameters.")
-      .def(
-          "save",
-          [](const MpcProblem& problem, const Path& path) {
-            writeFileAtomically(path.string(), problem.text);
-          },
-          py::arg("path"), "Writes the problem file.");
+          "The problem for solutions at single parameters.");
   module.def(
       "load_problem", [](const Path& path) { return loadProblem(path.string()); }, py::arg("path"),
       "Tracking problem of a .yaml file.");

@@ -16,7 +16,6 @@
 #include "mpc_core/online_program.hpp"
 #include "outside_error.hpp"
 #include "path_caster.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "solve.hpp"
 
 namespace polyfly::python {
@@ -128,9 +127,8 @@ void bindPrograms(py::module_& module) {
       module, "Program",
       "min_z 1/2 z'Hz + (f + F theta)'z  s.t.  A z <= b + B theta, with u = E z + C theta + c.");
   defineSolve(type, &solveProgram);
-  type.def_readonly("name", &Program::name)
-      .def_readonly("text", &Program::text, "Text of the problem file.")
-      .def_readonly("text_kind", &Program::text_kind, "'yaml' or 'json'.")
+  defineText(type);
+  type.def_readonly("text_kind", &Program::text_kind, "'yaml' or 'json'.")
       .def_readonly("period", &Program::period, "Sampling time [s]. 0: none.")
       .def_readonly("H", &Program::H)
       .def_readonly("f", &Program::f)
@@ -149,11 +147,7 @@ void bindPrograms(py::module_& module) {
       .def_readonly("remarks", &Program::remarks, "What the author of the problem may not have meant.")
       .def(
           "online", [](const Program& program) { return std::make_unique<OnlineProgram>(program); },
-          "The program for solutions at single parameters. H must be positive definite.")
-      .def(
-          "save",
-          [](const Program& program, const Path& path) { writeFileAtomically(path.string(), program.text); },
-          py::arg("path"), "Writes the problem file.");
+          "The program for solutions at single parameters. H must be positive definite.");
   module.def(
       "MPQP",
       [](const Matrix& H, const Vector& f, const Matrix& F, const Matrix& A, const Vector& b, const Matrix& B,

@@ -9,7 +9,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "map_region.hpp"
-#include "polytope_sets/exact_polytope.hpp"
+#include "polytope_sets/analyze_map.hpp"
 
 namespace polyfly::python {
 namespace {
@@ -26,36 +26,16 @@ MapRegion regionAt(const RegionList& list, py::ssize_t index) {
   return {list.map, static_cast<std::size_t>(index < 0 ? index + count : index)};
 }
 
-// Row `row` of a region: a . theta <= c as p + 1 numbers.
-void copyRow(const MapRegion& region, std::uint32_t row, double* to) {
-  const std::int32_t reference = region.data().rows[row];
-  const double* plane = region.map->map().plane(static_cast<std::size_t>(std::abs(reference)) - 1);
-  for (std::size_t i = 0; i <= region.map->parameterCount(); ++i)
-    to[i] = reference > 0 ? plane[i] : -plane[i];
-}
-
 py::array_t<double> halfSpaces(const MapRegion& region) {
   const std::size_t columns = region.map->parameterCount() + 1;
   py::array_t<double> rows({std::size_t{region.data().row_count}, columns});
-  for (std::uint32_t row = 0; row < region.data().row_count; ++row)
-    copyRow(region, row, rows.mutable_data() + row * columns);
-  return rows;
-}
-
-ExactPolytope polytopeOf(const MapRegion& region) {
-  const std::size_t p = region.map->parameterCount();
-  RationalVector lower, upper;
-  for (const Signal& signal : region.map->map().parameters()) {
-    lower.emplace_back(signal.lower);
-    upper.emplace_back(signal.upper);
-  }
-  ExactPolytope polytope = ExactPolytope::box(lower, upper);
-  std::vector<double> numbers(p + 1);
+  double* to = rows.mutable_data();
   for (std::uint32_t row = 0; row < region.data().row_count; ++row) {
-    copyRow(region, row, numbers.data());
-    polytope.rows.push_back({RationalVector(numbers.begin(), numbers.end() - 1), Rational(numbers[p])});
+    const std::int32_t reference = region.data().rows[row];
+    const double* plane = region.map->map().plane(static_cast<std::size_t>(std::abs(reference)) - 1);
+    for (std::size_t i = 0; i < columns; ++i) *to++ = reference > 0 ? plane[i] : -plane[i];
   }
-  return polytope;
+  return rows;
 }
 
 bool areSame(const std::vector<Signal>& parameters, const double* a, const double* b) {
@@ -72,7 +52,7 @@ py::array_t<double> verticesOf(const MapRegion& region) {
   std::vector<double> kept;
   {
     const py::gil_scoped_release release;
-    for (const RationalVector& vertex : vertices(polytopeOf(region))) {
+    for (const RationalVector& vertex : vertices(regionPolytope(region.map->map(), region.index))) {
       std::vector<double> point;
       for (const Rational& value : vertex) point.push_back(nearestDouble(value));
       bool is_new = true;

@@ -14,7 +14,6 @@
 #include "outside_error.hpp"
 #include "path_caster.hpp"
 #include "polyfly_base/read_text.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "polytope_sets/rational.hpp"
 #include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_problem.hpp"
@@ -88,9 +87,8 @@ void bindRobust(py::module_& module) {
       module, "RobustProblem",
       "Minimum-peak robust MPC: the least guaranteed peak for all disturbances in a box.");
   defineSolve(type, &solveRobust);
-  type.def_readonly("name", &RobustProblem::name)
-      .def_readonly("description", &RobustProblem::description)
-      .def_readonly("text", &RobustProblem::text, "Text of the problem file.")
+  defineText(type);
+  type.def_readonly("description", &RobustProblem::description)
       .def_readonly("states", &RobustProblem::states)
       .def_readonly("inputs", &RobustProblem::inputs)
       .def_readonly("disturbances", &RobustProblem::disturbances)
@@ -111,13 +109,7 @@ void bindRobust(py::module_& module) {
           "A column for each parameter: x = e + state_shifts theta.")
       .def(
           "online", [](const RobustProblem& problem) { return std::make_unique<OnlineRobust>(problem); },
-          "The law by linear programs, for single parameters.")
-      .def(
-          "save",
-          [](const RobustProblem& problem, const Path& path) {
-            writeFileAtomically(path.string(), problem.text);
-          },
-          py::arg("path"), "Writes the problem file.");
+          "The law by linear programs, for single parameters.");
   module.def(
       "load_robust_problem", [](const Path& path) { return loadRobustProblem(path.string()); },
       py::arg("path"), "Robust problem of a .yaml file.");

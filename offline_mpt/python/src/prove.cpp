@@ -5,9 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "offline_mpt/certify.hpp"
-#include "offline_mpt/verify.hpp"
-#include "robust_mpc/prove_map.hpp"
 #include "watch.hpp"
 
 namespace polyfly::python {
@@ -23,19 +20,19 @@ RobustProblem robustProblemOf(const LoadedMap& map) {
 
 }  // namespace
 
-py::object verifyMap(const LoadedMap& map, std::uint64_t samples, std::uint64_t seed, double tolerance,
-                     int threads, py::object progress) {
+std::variant<VerifyReport, RobustSampling> verifyMap(const LoadedMap& map, std::uint64_t samples,
+                                                     std::uint64_t seed, double tolerance, int threads,
+                                                     py::object progress) {
   if (samples < 1) throw Error("samples: must be at least 1, got 0");
   if (!(tolerance > 0.0)) throw Error("tolerance: must be above 0, got " + std::to_string(tolerance));
   const int workers = threadCount(threads);
   if (map.isRobust()) {
     const RobustProblem problem = robustProblemOf(map);
-    return py::cast(watched(std::move(progress), [&](Watch&) {
-      return sampleRobustMap(map.map(), problem, samples, seed, tolerance);
-    }));
+    return watched(std::move(progress),
+                   [&](Watch&) { return sampleRobustMap(map.map(), problem, samples, seed, tolerance); });
   }
   const ParametricProgram program = map.program();
-  return py::cast(watched(std::move(progress), [&](Watch& watch) {
+  return watched(std::move(progress), [&](Watch& watch) {
     VerifyOptions options;
     options.samples = samples;
     options.seed = seed;
@@ -44,14 +41,14 @@ py::object verifyMap(const LoadedMap& map, std::uint64_t samples, std::uint64_t 
     options.stop = &watch.stop();
     options.progress = [&](auto done, auto total) { watch.look(shareText(done, total, "samples")); };
     return verify(map.map(), program, options);
-  }));
+  });
 }
 
-py::object certifyMap(const LoadedMap& map, int threads, py::object progress) {
+std::variant<CertifyReport, RobustProof> certifyMap(const LoadedMap& map, int threads, py::object progress) {
   const int workers = threadCount(threads);
   if (map.isRobust()) {
     const RobustProblem problem = robustProblemOf(map);
-    return py::cast(watched(std::move(progress), [&](Watch& watch) {
+    return watched(std::move(progress), [&](Watch& watch) {
       ProveOptions options;
       options.threads = workers;
       options.stop = &watch.stop();
@@ -60,10 +57,10 @@ py::object certifyMap(const LoadedMap& map, int threads, py::object progress) {
           std::async(std::launch::async, [&] { return proveRobustMap(map.map(), problem, options); });
       while (proof.wait_for(kLookPeriod) != std::future_status::ready) watch.look("proof in fractions");
       return proof.get();
-    }));
+    });
   }
   const ParametricProgram program = map.program();
-  return py::cast(watched(std::move(progress), [&](Watch& watch) {
+  return watched(std::move(progress), [&](Watch& watch) {
     CertifyOptions options;
     options.threads = workers;
     options.stop = &watch.stop();
@@ -71,7 +68,7 @@ py::object certifyMap(const LoadedMap& map, int threads, py::object progress) {
       watch.look("proof: " + shareText(done, total, "steps"));
     };
     return certify(map.map(), program, options);
-  }));
+  });
 }
 
 }  // namespace polyfly::python

@@ -3,12 +3,15 @@
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "loaded_map.hpp"
 #include "offline_mpt/search_tree.hpp"
+#include "path_caster.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "robust_mpc/robust_problem.hpp"
 
 namespace polyfly::python {
@@ -33,6 +36,20 @@ std::unique_ptr<LoadedMap> solveProgram(const ParametricProgram& program, const 
 /// The map of a minimum-peak robust problem, checked alike. Its limits are of no effect.
 std::unique_ptr<LoadedMap> solveRobust(const RobustProblem& problem, const SolveOptions& options,
                                        pybind11::object progress);
+
+/// Adds what all problems have: name, text, and save(path).
+template <class Type>
+void defineText(Type& type) {
+  using Value = typename Type::type;
+  type.def_readonly("name", &Value::name)
+      .def_readonly("text", &Value::text, "Text of the problem file.")
+      .def(
+          "save",
+          [](const Value& value, const std::filesystem::path& path) {
+            writeFileAtomically(path.string(), value.text);
+          },
+          pybind11::arg("path"), "Writes the problem file.");
+}
 
 /// Adds solve(...) to a type. `solver(object, options, progress)` returns the map.
 template <class Type, class Solver>

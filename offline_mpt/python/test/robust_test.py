@@ -31,6 +31,57 @@ def mass(**options):
             .tie_break(gain=[[-1, -2]]).bounds(u=(-2, 2), w=(-0.3, 0.2)).parameters({"e_p": (-1, 1), "e_v": (-1, 1)}))
 
 
+def flown(seed, steps, low, high):
+    """A flight of the mass with disturbances between two numbers: rows of states and input."""
+    random = np.random.default_rng(seed)
+    x, rows = np.zeros(2), []
+    for _ in range(steps):
+        u = random.uniform(-0.1, 0.1, 1)
+        rows.append(np.concatenate([x, u]))
+        x = np.array(A) @ x + np.array(B) @ u + np.array(G) @ random.uniform(low, high, 1)
+    return np.array(rows)
+
+
+class DisturbanceRanges(unittest.TestCase):
+    def test_what_was_there_is_found(self):
+        ranges, unexplained = pf.disturbance_ranges(mass().problem(), [flown(1, 5001, -0.3, 0.4)])
+        self.assertLess(unexplained, 1e-9)
+        np.testing.assert_allclose((-0.3, 0.4), ranges["w"][:2], atol=0.01)
+        self.assertGreaterEqual(ranges["w"].confidence, 0.95)
+        self.assertTrue(0.99 <= ranges["w"].covered < 1)
+
+    def test_the_confidence_is_kept_and_not_exceeded(self):
+        problem, held = mass().problem(), 0
+        for trial in range(600):
+            found = pf.disturbance_ranges(problem, [flown(trial, 201, -1, 1)], coverage=0.9, confidence=0.8)[0]["w"]
+            self.assertGreaterEqual(found.confidence, 0.8)
+            held += (found.upper - found.lower) / 2 >= 0.9
+        self.assertTrue(0.77 * 600 < held < 0.93 * 600, held)
+
+    def test_too_few_samples_reach_less(self):
+        flight = flown(3, 101, -1, 1)
+        found = pf.disturbance_ranges(mass().problem(), [flight])[0]["w"]
+        self.assertLess(found.confidence, 0.95)
+        self.assertEqual(1.0, found.covered)
+        self.assertLess(pf.disturbance_ranges(mass().problem(), [flight], every=10)[0]["w"].confidence, found.confidence)
+
+    def test_gaps_split_a_flight_and_a_wrong_model_shows(self):
+        flight, problem = flown(4, 400, -0.4, 0.4), mass().problem()
+        gap = flight.copy()
+        gap[100:300, 1] = np.nan
+        whole = pf.disturbance_ranges(problem, [flight[:100], flight[300:]])
+        self.assertEqual(whole, pf.disturbance_ranges(problem, [gap]))
+        flight[:, 0] *= 1.5
+        self.assertGreater(pf.disturbance_ranges(problem, [flight])[1], 0.2)
+
+    def test_bad_input_is_refused(self):
+        problem, row = mass().problem(), np.zeros((1, 3))
+        for flights, options in (([row], {}), ([np.zeros((2, 2))], {}), ([np.zeros((2, 3))], {"coverage": 1.0}),
+                                 ([np.zeros((2, 3))], {"every": 0}), ([], {})):
+            with self.assertRaises(pf.Error):
+                pf.disturbance_ranges(problem, flights, **options)
+
+
 class Builder(unittest.TestCase):
     def test_the_same_map_as_the_file(self):
         built, read = vertical().explicit(), pf.load(VERTICAL).solve()

@@ -122,18 +122,6 @@ TEST_F(RobustCommand, RefusesWrongCheckpoints) {
   expectWrong("text", "is no checkpoint of a robust MPC");
 }
 
-TEST_F(RobustCommand, BoundsDisturbancesOfAFlight) {
-  std::string rows = "p,v,phi,u\n";
-  for (int k = 0; k < 50; ++k) rows += "0," + std::to_string(0.008 * (k % 2)) + ",0,0\n";
-  write("flight.csv", rows);
-  EXPECT_TRUE(holds(output("bounds made.yaml flight.csv --json bounds.json"), "w: range: ["));
-  const auto channel = json("bounds.json")["channels"][0];
-  EXPECT_EQ(channel["samples"], 49);
-  EXPECT_NEAR(channel["greatest"].get<double>(), 0.1, 0.01);  // 8 mm/s in a period of 80 ms
-  write("short.csv", "p,v,u\n0,0,0\n");
-  expectRefused("bounds made.yaml short.csv");
-}
-
 TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
   output("solve made.yaml -o made.map --quiet");
   output("verify made.map --exact --problem windy.yaml --quiet", 1);

@@ -76,7 +76,7 @@ TEST(RobustProof, ShowsWhereFeasibilityIsLost) {
     for (std::size_t j = 0; j < 3; ++j) rest -= facet.half_space.a[j] * next[j];
     slice.rows.push_back({{facet.half_space.a[3], facet.half_space.a[4]}, rest});
   }
-  EXPECT_TRUE(isEmpty(slice));
+  EXPECT_LT(affineDimension(slice), 0);
   made.horizon = 4;
   EXPECT_TRUE(Solved(made).proof().recursivelyFeasible());
   made.bounded_position = true;

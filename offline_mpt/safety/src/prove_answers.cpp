@@ -1,6 +1,7 @@
 #include <algorithm>
-#include <cstdlib>
+#include <utility>
 
+#include "polytope_sets/analyze_map.hpp"
 #include "region_maps/region_map.hpp"
 #include "safety_filter/prove_filter.hpp"
 #include "safety_filter/uncertain_model.hpp"
@@ -32,23 +33,9 @@ bool passesWishes(const RegionMap& map, std::size_t n, std::size_t nu) {
 
 /// Parameters of S and the map's box at which a look-up may answer with this region.
 ExactPolytope reach(const RegionMap& map, const ExactPolytope& set, std::size_t index) {
-  RationalVector lower, upper;
-  for (const Signal& parameter : map.parameters()) {
-    lower.emplace_back(parameter.lower);
-    upper.emplace_back(parameter.upper);
-  }
-  ExactPolytope result = ExactPolytope::box(lower, upper);
+  ExactPolytope result = regionPolytope(map, index, kLookupTolerances * Rational(map.tolerance()));
   for (ExactHalfSpace row : set.rows) {
-    row.a.resize(lower.size());
-    result.rows.push_back(std::move(row));
-  }
-  const RegionView region = map.region(index);
-  for (std::uint32_t i = 0; i < region.row_count; ++i) {
-    const double* plane = map.plane(static_cast<std::size_t>(std::abs(region.rows[i])) - 1);
-    const double sign = region.rows[i] > 0 ? 1.0 : -1.0;
-    ExactHalfSpace row{{},
-                       Rational(sign * plane[lower.size()]) + kLookupTolerances * Rational(map.tolerance())};
-    for (std::size_t j = 0; j < lower.size(); ++j) row.a.emplace_back(sign * plane[j]);
+    row.a.resize(map.parameters().size());
     result.rows.push_back(std::move(row));
   }
   return result;

@@ -115,7 +115,6 @@ FilterProof proveFilter(const SafetyFilterProblem& problem) {
   const UncertainModel model = uncertainModel(problem);
   FilterProof proof;
   proof.facets = static_cast<std::size_t>(set.H.rows());
-  proof.admissible_rows = static_cast<std::size_t>(set.G.rows());
   const ExactPolytope exact = exactSet(set);
   const Generators corners = generators(exact);
   proof.vertices = corners.vertices.size();
@@ -147,7 +146,8 @@ std::string filterProofText(const SafetyFilterProblem& problem, const FilterProo
   return text + " beyond the line from sample to sample, which the ranges allow\n";
 }
 
-std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProof& proof) {
+std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProof& proof,
+                            const FilterAnswers& answers) {
   const UncertainModel model = uncertainModel(problem);
   nlohmann::ordered_json json;
   json["result"] = proof.holds() ? "PROVEN" : "NOT PROVEN";
@@ -165,7 +165,10 @@ std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProo
                               {"uncertainty", model.W[i].get_d()},
                               {"excursion", model.excursion[i].get_d()}});
   }
-  return json.dump(2) + "\n";
+  json["passes_wishes"] = answers.passes_wishes;
+  json["answers_within_margin"] = answers.within_slack;
+  json["part_of_margin"] = answers.used;
+  return json.dump();
 }
 
 }  // namespace polyfly

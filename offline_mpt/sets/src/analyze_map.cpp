@@ -28,11 +28,7 @@ struct RegionStep {
 
 /// What was found of one region.
 struct Finding {
-  bool empty = false;
-  bool flat = false;
   bool offends = false;
-  // Facets whose excess the tolerance forgives.
-  std::uint64_t tight = 0;
   // Greatest excess of the region itself over the domain.
   Rational out_of_domain;
   // Greatest excess of the region's successors.
@@ -59,37 +55,25 @@ class Analysis {
     AnalyzeReport report;
     report.tolerance = regions_.tolerance();
     report.regions = regions_.count();
-    total_ = 3 * regions_.count();
-    forEachRegion(0, [&](std::size_t r) {
-      bool flat = false;
-      regions_.setShape(r, regions_.vertices(r, flat));
-    });
-    if (stopped(report)) return report;
+    forEachRegion("corners of regions", [&](std::size_t r) { regions_.setShape(r, regions_.vertices(r)); });
     report.is_within = options_.within.has_value();
     domain_ = report.is_within ? scaledRows(*options_.within, map_) : domainRows(regions_);
     report.domain = domain_;
     proveCover(report);
-    if (stopped(report)) return report;
     if (report.covered || report.is_within) testRegions(report);
     return report;
   }
 
  private:
-  // Three phases of as many steps as there are regions: corners, cover, successors.
-  void forEachRegion(std::uint64_t phase, const std::function<void(std::size_t)>& work) const {
-    std::function<void(std::uint64_t, std::uint64_t)> progress;
-    if (options_.progress) {
-      progress = [&](std::uint64_t done, std::uint64_t count) {
-        options_.progress(phase * count + done, total_);
-      };
-    }
-    inParallel(regions_.count(), options_.threads, options_.stop, progress,
+  void forEachRegion(const char* phase, const std::function<void(std::size_t)>& work) const {
+    inParallel(regions_.count(), options_.threads, nullptr, progressOf(phase),
                [&](std::size_t, std::uint64_t r) { work(static_cast<std::size_t>(r)); });
   }
 
-  bool stopped(AnalyzeReport& report) const {
-    report.interrupted = options_.stop != nullptr && options_.stop->load();
-    return report.interrupted;
+  std::function<void(std::uint64_t, std::uint64_t)> progressOf(const char* phase) const {
+    return [this, phase](std::uint64_t done, std::uint64_t total) {
+      if (options_.progress) options_.progress(phase, done, total);
+    };
   }
 
   ExactPolytope domainSet() const {
@@ -100,19 +84,10 @@ class Analysis {
   }
 
   void proveCover(AnalyzeReport& report) {
-    CoverOptions options;
-    options.threads = options_.threads;
-    options.stop = options_.stop;
-    if (options_.progress) {
-      options.progress = [&](std::uint64_t done, std::uint64_t total) {
-        options_.progress(regions_.count() + done * regions_.count() / total, total_);
-      };
-    }
-    const SetCover cover = coverSet(regions_, domainSet(), options);
+    const SetCover cover =
+        coverSet(regions_, domainSet(), options_.threads, progressOf("cover of the domain"));
     report.covered = cover.covered;
-    report.cells = cover.cells;
-    if (!report.covered && !cover.stopped) report.gap = cover.gap;
-    report.slivers = cover.slivers.size();
+    if (!report.covered) report.gap = cover.gap;
     slivers_.resize(regions_.count());
     for (const CoverSliver& sliver : cover.slivers) {
       auto& list = slivers_[sliver.region];
@@ -143,15 +118,14 @@ class Analysis {
                              });
   }
 
-  std::vector<std::vector<Integer>> verticesOf(std::size_t region, bool& flat) const {
-    if (!options_.within) return regions_.vertices(region, flat);
-    return raysOf(PolytopeCone(intersect(regions_.polytope(region), domainSet())).cone);
+  std::vector<std::vector<Integer>> verticesOf(std::size_t region) const {
+    if (!options_.within) return regions_.vertices(region);
+    return raysOf(PolytopeCone(intersect(regionPolytope(map_, region), domainSet())).cone);
   }
 
   Finding testRegion(std::size_t region) const {
     Finding finding;
-    std::vector<std::vector<Integer>> corners = verticesOf(region, finding.flat);
-    finding.empty = corners.empty();
+    std::vector<std::vector<Integer>> corners = verticesOf(region);
     const std::vector<Integer>* where = nullptr;
     for (const ExactHalfSpace& row : domain_)
       finding.out_of_domain = std::max(finding.out_of_domain, worst(corners, row.a, row.b, &where));
@@ -167,7 +141,6 @@ class Analysis {
       const RationalVector& a = domain_[f].a;
       const Rational bound = domain_[f].b - dot(applyTransposed(model_.E, a), push(a)) - dot(a, step.m);
       const Rational excess = worst(corners, applyTransposed(step.M, a), bound, &where);
-      if (excess > 0 && excess <= tolerance_) ++finding.tight;
       if (excess <= finding.excess) continue;
       finding.excess = excess;
       finding.facet = f;
@@ -179,15 +152,11 @@ class Analysis {
 
   void testRegions(AnalyzeReport& report) {
     std::vector<Finding> findings(regions_.count());
-    forEachRegion(2, [&](std::size_t r) { findings[r] = testRegion(r); });
-    if (stopped(report)) return;
+    forEachRegion("successors", [&](std::size_t r) { findings[r] = testRegion(r); });
     std::size_t worst_region = findings.size();
     Rational out, excess;
     for (std::size_t r = 0; r < findings.size(); ++r) {
       const Finding& finding = findings[r];
-      report.flat_regions += finding.flat && !finding.empty ? 1 : 0;
-      report.empty_regions += finding.empty ? 1 : 0;
-      report.tight_pairs += finding.tight;
       report.offending_regions += finding.offends ? 1 : 0;
       if (!report.is_within) out = std::max(out, finding.out_of_domain);
       if (finding.offends && (worst_region == findings.size() || finding.excess > excess)) worst_region = r;
@@ -252,7 +221,6 @@ class Analysis {
   std::vector<ExactHalfSpace> domain_;
   // Vertices of slivers, by region.
   std::vector<std::vector<std::vector<Integer>>> slivers_;
-  std::uint64_t total_ = 0;
 };
 
 }  // namespace

@@ -64,8 +64,7 @@ std::string coverText(const AnalyzeReport& report, const RegionMap& map) {
   std::string text = set + "\n";
   text += "  half-spaces         " + std::to_string(report.domain.size()) + "\n";
   if (report.covered) {
-    text += "  covered by regions  proven, by " + std::to_string(report.cells) + " cells; " +
-            std::to_string(report.slivers) + " reach out of their region, within the tolerance\n";
+    text += "  covered by regions  proven\n";
     if (!report.is_within)
       text += "  convex              proven: no region reaches farther out than " +
               number(report.region_excess, "%.3g") + " [scaled]\n";
@@ -99,10 +98,7 @@ Json witnessJson(const AnalyzeReport& report, const RegionMap& map) {
 std::string analyzeText(const AnalyzeReport& report, const RegionMap& map, const SetModel& model) {
   std::string text = map.path() + ", model " + model.name + "\n";
   text += "regions               " + std::to_string(report.regions);
-  if (report.empty_regions > 0) text += ", " + std::to_string(report.empty_regions) + " empty";
-  if (report.flat_regions > 0) text += ", " + std::to_string(report.flat_regions) + " without interior";
   text += "\ntolerance             " + number(report.tolerance, "%.3g") + " [scaled]\n";
-  if (report.interrupted) return text + "interrupted: nothing was decided\n";
   text += coverText(report, map);
   const bool both = report.successors_inside && report.covered;
   const bool is_tested = report.covered || report.is_within;
@@ -115,10 +111,8 @@ std::string analyzeText(const AnalyzeReport& report, const RegionMap& map, const
   } else if (report.successors_inside) {
     text += "every successor lies in the ";
     text += report.is_within ? "set" : "domain";
-    if (report.tight_pairs > 0) {
-      text += ", up to " + number(report.greatest_excess, "%.3g") + " [scaled] at " +
-              std::to_string(report.tight_pairs) + " pairs of region and facet";
-    }
+    if (report.greatest_excess > 0.0)
+      text += ", up to " + number(report.greatest_excess, "%.3g") + " [scaled]";
   } else {
     text += std::to_string(report.offending_regions) + " of " + std::to_string(report.regions) +
             " regions have successors outside";
@@ -139,22 +133,16 @@ std::string analyzeJson(const AnalyzeReport& report, const RegionMap& map, const
   json["map"] = map.path();
   json["model"] = model.name;
   json["holds"] = report.holds();
-  json["interrupted"] = report.interrupted;
   json["tolerance"] = report.tolerance;
   json["regions"] = report.regions;
-  json["flat_regions"] = report.flat_regions;
-  json["empty_regions"] = report.empty_regions;
   json["target"] = report.is_within ? "set" : "domain";
   json["half_spaces"] = Json::array();
   for (const ExactHalfSpace& facet : report.domain) json["half_spaces"].push_back(facetText(facet, map));
   json["covered"] = report.covered;
-  json["cells"] = report.cells;
-  json["slivers"] = report.slivers;
   json["region_excess"] = report.region_excess;
   json["gap"] = report.gap ? Json(doubles(*report.gap)) : Json();
   json["successors_inside"] = report.successors_inside;
   json["greatest_excess"] = report.greatest_excess;
-  json["tight_pairs"] = report.tight_pairs;
   json["offending_regions"] = report.offending_regions;
   json["witness"] = report.witness ? witnessJson(report, map) : Json();
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

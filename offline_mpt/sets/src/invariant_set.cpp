@@ -11,8 +11,6 @@
 namespace polyfly {
 namespace {
 
-bool reachedStop(const std::atomic<bool>* stop) { return stop != nullptr && stop->load(); }
-
 /// Adds the rows of a set of coordinates from `first` on.
 void place(const ExactPolytope& set, int first, ExactPolytope& to) {
   const auto lift = [&](const std::vector<ExactHalfSpace>& rows, std::vector<ExactHalfSpace>& wider) {
@@ -72,13 +70,8 @@ InvariantSet exactRecursion(const SetModel& model, const InvariantOptions& optio
   InvariantSet result;
   result.set = minimal(model.X);
   while (result.iterations < options.max_iterations) {
-    if (reachedStop(options.stop)) {
-      result.status = InvariantSet::Status::kInterrupted;
-      return result;
-    }
     ExactPolytope next = predecessor(model, result.set);
     ++result.iterations;
-    if (options.progress) options.progress(result.iterations, next.rows.size());
     if (affineDimension(next) < 0) {
       result.status = InvariantSet::Status::kEmpty;
       result.set = std::move(next);
@@ -124,11 +117,9 @@ InvariantSet floatRecursion(const SetModel& model, const InvariantOptions& optio
   };
   if (chebyshevBall(set).radius <= options.tolerance) return finish(InvariantSet::Status::kEmpty);
   while (result.iterations < options.max_iterations) {
-    if (reachedStop(options.stop)) return finish(InvariantSet::Status::kInterrupted);
     bool same = false;
     ++result.iterations;
     if (!floatStep(model, corners, options.tolerance, set, same)) return finish(InvariantSet::Status::kEmpty);
-    if (options.progress) options.progress(result.iterations, static_cast<std::size_t>(set.rowCount()));
     if (same) return finish(InvariantSet::Status::kMaximal);
   }
   return finish(InvariantSet::Status::kLimit);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cone.hpp"
+#include "polytope_sets/analyze_map.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -13,10 +14,10 @@ namespace polyfly {
 namespace {
 
 /// A row of a plane, negated or not, moved outwards.
-ExactHalfSpace halfSpaceOf(const double* plane, int p, double sign, double moved) {
+ExactHalfSpace halfSpaceOf(const double* plane, int p, double sign, const Rational& moved) {
   ExactHalfSpace row;
   for (int j = 0; j < p; ++j) row.a.emplace_back(sign * plane[j]);
-  row.b = Rational(sign * plane[p]) + Rational(moved);
+  row.b = Rational(sign * plane[p]) + moved;
   return row;
 }
 
@@ -38,7 +39,7 @@ MapRegions::MapRegions(const RegionMap& map, double tolerance)
   for (std::size_t i = 0; i < map.planeCount(); ++i) {
     for (const double sign : {1.0, -1.0}) {
       for (const double moved : {0.0, tolerance})
-        insides_.push_back(coneRow(halfSpaceOf(map.plane(i), p_, sign, moved)));
+        insides_.push_back(coneRow(halfSpaceOf(map.plane(i), p_, sign, Rational(moved))));
     }
   }
 }
@@ -54,28 +55,23 @@ bool MapRegions::holds(std::uint32_t region, const std::vector<Integer>& point, 
                      [&](std::int32_t row) { return dot(inside(row, moved), point) >= 0; });
 }
 
-ExactPolytope MapRegions::polytope(std::size_t region) const {
+ExactPolytope regionPolytope(const RegionMap& map, std::size_t region, const Rational& moved) {
   RationalVector lower, upper;
-  for (const Signal& parameter : map_.parameters()) {
+  for (const Signal& parameter : map.parameters()) {
     lower.emplace_back(parameter.lower);
     upper.emplace_back(parameter.upper);
   }
   ExactPolytope result = ExactPolytope::box(lower, upper);
-  const RegionView view = map_.region(region);
+  const RegionView view = map.region(region);
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
-    const double* const plane = map_.plane(static_cast<std::size_t>(std::abs(view.rows[i])) - 1);
-    result.rows.push_back(halfSpaceOf(plane, p_, view.rows[i] > 0 ? 1.0 : -1.0, 0.0));
+    const double* const plane = map.plane(static_cast<std::size_t>(std::abs(view.rows[i])) - 1);
+    result.rows.push_back(halfSpaceOf(plane, result.dimension, view.rows[i] > 0 ? 1.0 : -1.0, moved));
   }
   return result;
 }
 
-std::vector<std::vector<Integer>> MapRegions::vertices(std::size_t region, bool& flat) const {
-  const PolytopeCone polytope_cone(polytope(region));
-  TightSet common;
-  for (const DoubleDescription::Ray& ray : polytope_cone.cone.rays())
-    common = &ray == &polytope_cone.cone.rays().front() ? ray.tight : common & ray.tight;
-  flat = common.count() > 0;  // a row that is tight at all vertices
-  return raysOf(polytope_cone.cone);
+std::vector<std::vector<Integer>> MapRegions::vertices(std::size_t region) const {
+  return raysOf(PolytopeCone(regionPolytope(map_, region)).cone);
 }
 
 void MapRegions::setShape(std::size_t region, const std::vector<std::vector<Integer>>& vertices) {

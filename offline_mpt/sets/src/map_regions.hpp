@@ -24,11 +24,8 @@ class MapRegions {
   /// Whether a region, moved outwards or not, holds a point (x_0, x): theta = x / x_0.
   bool holds(std::uint32_t region, const std::vector<Integer>& point, bool moved) const;
 
-  /// Region and box.
-  ExactPolytope polytope(std::size_t region) const;
-
-  /// Its exact vertices (x_0, x). `flat` tells whether it has no interior.
-  std::vector<std::vector<Integer>> vertices(std::size_t region, bool& flat) const;
+  /// Exact vertices (x_0, x) of a region.
+  std::vector<std::vector<Integer>> vertices(std::size_t region) const;
 
   /// Rounded vertices for the function below, one region at a time; different regions may be set at once.
   void setShape(std::size_t region, const std::vector<std::vector<Integer>>& vertices);

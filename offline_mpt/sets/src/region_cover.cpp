@@ -51,8 +51,7 @@ IntegerRow middleOf(const Cell& cell) {
 
 class CoverSearch {
  public:
-  CoverSearch(const MapRegions& regions, const std::atomic<bool>* stop)
-      : regions_(regions), stop_(stop), all_(regions.count()) {
+  explicit CoverSearch(const MapRegions& regions) : regions_(regions), all_(regions.count()) {
     std::iota(all_.begin(), all_.end(), 0U);
   }
 
@@ -98,10 +97,6 @@ class CoverSearch {
   /// The region that holds the cell's middle is cut away; first as it is, then moved outwards. A region that was cut away as it
   /// is cannot hold the middle of what is left, and one that was moved is not in `left` any more.
   bool coverBy(const Cell& cell, Regions left, bool is_all, SetCover& found) const {
-    if (stop_ != nullptr && stop_->load()) {
-      found.stopped = true;
-      return false;
-    }
     const IntegerRow middle = middleOf(cell);
     for (const bool moved : {false, true}) {
       const auto holder = std::find_if(left.begin(), left.end(), [&](std::uint32_t region) {
@@ -126,39 +121,35 @@ class CoverSearch {
       if (!coverBy(cut(cell, opposite(inside)), left, is_all, found)) return false;
       cell.add(inside);
     }
-    ++found.cells;
     if (moved) found.slivers.push_back({region, raysOf(cell)});
     return true;
   }
 
   const MapRegions& regions_;
-  const std::atomic<bool>* stop_;
   Regions all_;
 };
 
 }  // namespace
 
 // Tasks are in the order of the tree, and so is what is found, up to the first gap.
-SetCover coverSet(const MapRegions& regions, const ExactPolytope& set, const CoverOptions& options) {
+SetCover coverSet(const MapRegions& regions, const ExactPolytope& set, int threads,
+                  const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   SetCover result;
   const PolytopeCone polytope(set);
   if (polytope.isEmpty()) return result;
-  const CoverSearch search(regions, options.stop);
+  const CoverSearch search(regions);
   std::vector<Task> tasks;
   search.divide(regions.map().root(), polytope.cone, 0, tasks);
   const auto work = [&](std::size_t, std::uint64_t i) {
     tasks[i].cover.covered = search.cover(tasks[i].child, tasks[i].cell, tasks[i].cover);
   };
-  result.stopped = !inParallel(tasks.size(), options.threads, options.stop, options.progress, work);
+  inParallel(tasks.size(), threads, nullptr, progress, work);
   for (Task& task : tasks) {
-    result.stopped = result.stopped || task.cover.stopped;
     if (!result.covered) continue;
-    result.cells += task.cover.cells;
     std::move(task.cover.slivers.begin(), task.cover.slivers.end(), std::back_inserter(result.slivers));
     result.covered = task.cover.covered;
     result.gap = std::move(task.cover.gap);
   }
-  result.covered = result.covered && !result.stopped;
   return result;
 }
 

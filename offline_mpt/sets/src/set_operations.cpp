@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "cone.hpp"
-#include "offline_mpt/exact_lp.hpp"
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/exact_polytope.hpp"
 
@@ -61,37 +60,6 @@ ExactPolytope reorder(const ExactPolytope& set, const std::vector<std::size_t>& 
 }
 
 }  // namespace
-
-ExactSupport support(const ExactPolytope& set, const RationalVector& direction) {
-  requireDimension(set, direction.size(), "support");
-  ExactLp lp;
-  lp.addColumns(set.dimension, ExactLp::Bound::kFree);
-  for (int j = 0; j < set.dimension; ++j) lp.setObjective(j, direction[static_cast<std::size_t>(j)]);
-  lp.setSense(ExactLp::Sense::kMaximise);
-  const auto add_row = [&](const ExactHalfSpace& row, ExactLp::Bound type) {
-    const int i = lp.addRows(1);
-    lp.setRowBounds(i, type, row.b, row.b);
-    for (int j = 0; j < set.dimension; ++j) {
-      const Rational& value = row.a[static_cast<std::size_t>(j)];
-      if (value != 0) lp.setCoefficient(i, j, value);
-    }
-  };
-  for (const ExactHalfSpace& row : set.rows) add_row(row, ExactLp::Bound::kUpper);
-  for (const ExactHalfSpace& row : set.equalities) add_row(row, ExactLp::Bound::kFixed);
-  ExactSupport result;
-  const ExactLp::Status status = lp.solve();
-  if (status == ExactLp::Status::kInfeasible) return result;
-  result.status =
-      status == ExactLp::Status::kOptimal ? ExactSupport::Status::kOptimal : ExactSupport::Status::kUnbounded;
-  result.value = lp.objective();
-  for (int j = 0; j < set.dimension; ++j) result.point.push_back(lp.primal(j));
-  return result;
-}
-
-bool isEmpty(const ExactPolytope& set) {
-  return support(set, RationalVector(static_cast<std::size_t>(set.dimension))).status ==
-         ExactSupport::Status::kEmpty;
-}
 
 ExactPolytope intersect(const ExactPolytope& first, const ExactPolytope& second) {
   requireDimension(second, static_cast<std::size_t>(first.dimension), "intersection");

@@ -126,7 +126,7 @@ void checkRoles(const MpcProblem& problem) {
 
 }  // namespace
 
-TerminalSet terminalSet(const MpcProblem& problem, const std::atomic<bool>* stop) {
+TerminalSet terminalSet(const MpcProblem& problem) {
   checkRoles(problem);
   const DiscreteModel model = discretise(problem, problem.sampling_time);
   const Eigen::MatrixXd P = solveRiccati(model.A, model.B, problem.Q, problem.R);
@@ -136,7 +136,6 @@ TerminalSet terminalSet(const MpcProblem& problem, const std::atomic<bool>* stop
   const ExactPolytope X = hardBounds(problem, K, loop);
   InvariantOptions options;
   options.exact = false;
-  options.stop = stop;
   const InvariantSet found =
       maximalInvariantSet(loopModel(problem, tolerance::kLoopGrowth * loop, X), options);
   if (found.status != InvariantSet::Status::kMaximal)

@@ -24,7 +24,6 @@ struct FilterProof {
   /// 3. For every state within the ranges and every admissible input, xi+ is in S for each corner of the uncertainty,
   /// with the slack left. One half-space is decided at a time.
   bool stays = false;
-  std::size_t admissible_rows = 0;
   /// 4. At each vertex of S, and so in all of S, some input is admissible.
   bool answered = false;
   /// What breaks the first rule that does not hold.
@@ -40,10 +39,6 @@ ExactPolytope exactSet(const SafeSet& set);
 
 /// Throws Error when the problem has no safe set, or its model cannot be sampled.
 FilterProof proveFilter(const SafetyFilterProblem& problem);
-
-/// What the proof says, for people and for programs. JSON: one object.
-std::string filterProofText(const SafetyFilterProblem& problem, const FilterProof& proof);
-std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProof& proof);
 
 /// What holds of a map's answers in S.
 struct FilterAnswers {
@@ -62,5 +57,10 @@ struct FilterAnswers {
 /// Exact, over the vertices of each region moved outwards. The map must be of this problem, and its look-ups
 /// proven (`certify`).
 FilterAnswers proveAnswers(const RegionMap& map, const SafetyFilterProblem& problem);
+
+/// What the proof says, for people and for programs. JSON: one object.
+std::string filterProofText(const SafetyFilterProblem& problem, const FilterProof& proof);
+std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProof& proof,
+                            const FilterAnswers& answers);
 
 }  // namespace polyfly

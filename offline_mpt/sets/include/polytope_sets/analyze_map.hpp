@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -13,6 +12,9 @@
 namespace polyfly {
 
 class RegionMap;
+
+/// A region of a map within the box of the parameters, its half-spaces moved outwards by `moved`. [scaled]
+ExactPolytope regionPolytope(const RegionMap& map, std::size_t region, const Rational& moved = 0);
 
 /// theta+ = F theta + G u + E d + c over the parameters of a map, in the map's order; d in D.
 struct ClosedLoopModel {
@@ -35,9 +37,8 @@ struct AnalyzeOptions {
   std::optional<ExactPolytope> within;
   /// Number of threads. The report does not depend on it.
   int threads = 1;  ///< 1..256
-  const std::atomic<bool>* stop = nullptr;
-  /// Called from the calling thread.
-  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+  /// Called from the calling thread, with the phase of the work.
+  std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress;
 };
 
 /// A state that leaves: exact numbers, and what the map itself says of them.
@@ -70,9 +71,6 @@ struct AnalyzeReport {
   /// The tolerance t.
   double tolerance = 0.0;  ///< [scaled]
   std::uint64_t regions = 0;
-  /// Regions without interior. Their closure is tested, too.
-  std::uint64_t flat_regions = 0;
-  std::uint64_t empty_regions = 0;
 
   /// The domain P: the box and those half-spaces of regions that hold all regions. No redundant row. With
   /// `within`: that set, its rows scaled to distances.
@@ -81,13 +79,10 @@ struct AnalyzeReport {
   /// No region reaches farther out of P than this [scaled, rounded up]; 0 for `within`.
   double region_excess = 0.0;
 
-  /// Every theta of P lies in a region, each half-space moved outwards by t. Proven by cutting P into `cells`
+  /// Every theta of P lies in a region, each half-space moved outwards by t. Proven by cutting P into cells
   /// that each lie in one region. Together with region_excess: the union of the regions is the convex
   /// polytope P, up to t.
   bool covered = false;
-  std::uint64_t cells = 0;
-  /// Number of cells that lie in a region only if it is moved outwards.
-  std::uint64_t slivers = 0;
   /// A point of P in no region, where P is not covered.
   std::optional<RationalVector> gap;
 
@@ -96,15 +91,11 @@ struct AnalyzeReport {
   bool successors_inside = false;
   /// Greatest excess over regions and facets, rounded up. 0: no tolerance is needed.
   double greatest_excess = 0.0;  ///< [scaled]
-  /// Pairs (region, facet) with an excess in (0, t]. They agree up to rounding.
-  std::uint64_t tight_pairs = 0;
   /// Regions with an excess above t.
   std::uint64_t offending_regions = 0;
   std::optional<AnalyzeWitness> witness;
 
-  bool interrupted = false;
-
-  bool holds() const { return covered && successors_inside && !interrupted; }
+  bool holds() const { return covered && successors_inside; }
 };
 
 /// Decides recursive feasibility of a map under a model, and invariance of its domain. A successor that lies

@@ -57,20 +57,6 @@ ExactPolytope hull(int dimension, const std::vector<RationalVector>& points);
 /// scaled to whole numbers without a common factor. The empty set is the one row 0 . x <= -1.
 ExactPolytope minimal(const ExactPolytope& set);
 
-/// What a linear program over a set answers.
-struct ExactSupport {
-  enum class Status { kOptimal, kEmpty, kUnbounded };
-  Status status = Status::kEmpty;
-  /// Greatest direction . x.
-  Rational value;
-  /// A point with the greatest direction . x.
-  RationalVector point;
-};
-
-/// The greatest direction . x, by an exact linear program (ExactLp).
-ExactSupport support(const ExactPolytope& set, const RationalVector& direction);
-
-bool isEmpty(const ExactPolytope& set);
 /// True also for the empty set.
 bool isBounded(const ExactPolytope& set);
 

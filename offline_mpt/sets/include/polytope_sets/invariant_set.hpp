@@ -1,7 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -17,8 +15,6 @@ struct InvariantOptions {
   /// In floating point, distances below this count as zero.
   double tolerance = 1e-9;
   int max_iterations = 200;  ///< at least 1
-  const std::atomic<bool>* stop = nullptr;
-  std::function<void(int iteration, std::size_t half_spaces)> progress;
 };
 
 struct InvariantSet {
@@ -29,7 +25,6 @@ struct InvariantSet {
     kEmpty,
     /// The recursion reached max_iterations. `set` contains the maximal set.
     kLimit,
-    kInterrupted,
   };
   Status status = Status::kLimit;
   ExactPolytope set;  ///< no redundant rows

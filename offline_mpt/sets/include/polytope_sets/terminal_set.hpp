@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 
 #include "mpc_core/mpc_problem.hpp"
 
@@ -19,6 +18,6 @@ struct TerminalSet {
 /// ranges of the parameters. The set is smaller than the greatest one by some 1e-6, so that the rounded numbers are
 /// an invariant set too. This is proven in fractions. Throws Error where there is no such set, or where the recursion
 /// does not end.
-TerminalSet terminalSet(const MpcProblem& problem, const std::atomic<bool>* stop = nullptr);
+TerminalSet terminalSet(const MpcProblem& problem);
 
 }  // namespace polyfly

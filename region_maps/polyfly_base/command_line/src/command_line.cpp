@@ -165,16 +165,6 @@ CLI::Validator numberAbove(double least) {
       "a finite number above " + shown(least), "> " + shown(least));
 }
 
-CLI::Validator numberBetween(double least, double greatest) {
-  return rule(
-      [=](const std::string& text) {
-        const std::optional<double> value = decimalNumber(text);
-        return value && *value > least && *value < greatest;
-      },
-      "a number above " + shown(least) + " and below " + shown(greatest),
-      shown(least) + "<..<" + shown(greatest));
-}
-
 CLI::Validator finiteNumber() {
   return rule([](const std::string& text) { return decimalNumber(text).has_value(); }, "a finite number", "");
 }

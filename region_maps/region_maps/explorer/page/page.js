@@ -58,7 +58,7 @@ class App {
     this.watch();
     this.applyTheme();
     this.drawAll();
-    if (report) writeReport(this, performance.now());
+    if (report) writeReport(this);
   }
 
   buildControls() {
@@ -75,8 +75,6 @@ class App {
     byId('input').addEventListener('change', () => { this.input = Number(byId('input').value); this.changed(); });
     byId('theme').addEventListener('change', () => { this.applyTheme(); this.changed(); });
     byId('reset').addEventListener('click', () => this.setTheta(this.start.slice()));
-    byId('save-svg').addEventListener('click', () =>
-      saveFile(`${map.name}.svg`, new Blob([this.svg()], {type: 'image/svg+xml'})));
     byId('save-png').addEventListener('click', () => this.large.canvas.toBlob((blob) => saveFile(`${map.name}.png`, blob)));
     this.sliders = map.parameters.map((signal, i) => this.addSlider(signal, i));
   }
@@ -333,12 +331,6 @@ class App {
     const facts = showPoint(this, this.hover || this.theta);
     for (const view of [this.large, ...this.cells]) if (view.x_range) drawOverlay(this, view, facts.found.region);
     this.loop.drawCharts(this.style);
-  }
-
-  svg() {
-    const view = this.large;
-    const flight = this.loop.flight ? this.loop.flight.thetas.map((theta) => placeIn(this, view, theta)) : [];
-    return sliceSvg(view, sliceLabels(this), flight, placeIn(this, view, this.theta), this.style);
   }
 }
 

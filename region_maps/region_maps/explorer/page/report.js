@@ -1,24 +1,4 @@
-// #report in the address: the page writes what it computed as JSON, for its test and for measurements.
-
-const kTimedSlices = 40;
-
-function median(values) {
-  return values.slice().sort((a, b) => a - b)[Math.floor(values.length / 2)];
-}
-
-// Milliseconds of script for one large slice through other states: cutting, filling, outlines, axes.
-function timeSlices(app) {
-  const times = [];
-  for (let k = 0; k < kTimedSlices; ++k) {
-    const theta = app.map.parameters.map(({lower, upper}, i) =>
-      lower + (0.5 + 0.4 * Math.sin(1 + 2.4 * k + 1.7 * i)) * (upper - lower));
-    const begin = performance.now();
-    app.drawLarge(theta);
-    times.push(performance.now() - begin);
-  }
-  app.drawLarge(app.theta);
-  return median(times);
-}
+// #report in the address: the page writes what it computed as JSON, for its test.
 
 // The states that a drag to a quarter of the slice from the left and from below, and then an arrow key, lead to.
 function moveState(app) {
@@ -37,7 +17,7 @@ function moveState(app) {
   return {dragged, pressed};
 }
 
-function writeReport(app, open_ms) {
+function writeReport(app) {
   const {map, flight} = app;
   const answers = [];
   for (let k = 0; flight && k < flight.count; ++k) {
@@ -49,11 +29,11 @@ function writeReport(app, open_ms) {
   }
   showPoint(app, app.theta);
   const report = {
-    open_ms, slice_ms: timeSlices(app), x: app.x, y: app.y, theta: app.theta, answers,
+    x: app.x, y: app.y, theta: app.theta, answers,
     slice: app.large.cut.map(({region, polygon}) => ({region, polygon})),
     text: byId('point').innerText || byId('point').textContent, title: document.title,
     elements: document.body.getElementsByTagName('*').length,
-    flight: app.loop.flight, svg_bytes: app.svg().length,
+    flight: app.loop.flight,
     moved: moveState(app), visited: flight ? Array.from(flight.visits) : [], excursions: flight ? flight.excursions : [],
   };
   document.body.append(element('pre', JSON.stringify(report), {id: 'report'}));

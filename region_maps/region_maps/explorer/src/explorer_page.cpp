@@ -18,50 +18,12 @@ std::string numbersText(const std::vector<double>& numbers) {
   return base64({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
 }
 
-void checkSize(const RegionMap& map, const char* field, std::size_t size, std::size_t expected) {
-  if (size == expected) return;
-  throw Error(map.path() + ": " + field + ": must have " + std::to_string(expected) + " numbers, got " +
-              std::to_string(size));
-}
-
-void checkFinite(const RegionMap& map, const char* field, const std::vector<double>& numbers) {
-  for (const double number : numbers)
-    if (!std::isfinite(number)) throw Error(map.path() + ": " + field + ": must be finite");
-}
-
-void checkModel(const RegionMap& map, const ExplorerModel& model) {
-  const std::size_t nx = model.errors.size();
-  const std::size_t p = map.parameters().size();
-  checkSize(map, "model.A", model.A.size(), nx * nx);
-  checkSize(map, "model.B", model.B.size(), nx * model.input_count);
-  checkSize(map, "model.U", model.U.size(), model.input_count * p);
-  checkSize(map, "model.G", model.G.size(), nx * model.disturbances.size());
-  if (model.input_count > map.inputs().size())
-    throw Error(map.path() + ": model: has more inputs than the map");
-  for (const std::size_t error : model.errors)
-    if (error >= p) throw Error(map.path() + ": model.errors: must be entries of theta");
-  for (const ExplorerModel::PreviousInput& previous : model.previous_inputs) {
-    if (previous.parameter >= p || previous.input >= model.input_count)
-      throw Error(map.path() + ": model.previous_inputs: must be entries of theta and of u");
-  }
-  for (const std::vector<double>* matrix : {&model.A, &model.B, &model.U, &model.G})
-    checkFinite(map, "model", *matrix);
-}
-
-void checkProgramSizes(const RegionMap& map, const ExplorerProgram& program) {
-  const std::size_t n = program.variables;
-  const std::size_t m = program.b.size();
-  const std::size_t p = map.parameters().size();
-  checkSize(map, "program.H", program.H.size(), n * n);
-  checkSize(map, "program.f", program.f.size(), n);
-  checkSize(map, "program.F", program.F.size(), n * p);
-  checkSize(map, "program.A", program.A.size(), m * n);
-  checkSize(map, "program.S", program.S.size(), m * p);
-  checkSize(map, "program.rest", program.rest.size(), (p + 1) * (p + 1));
+/// A map may name rows that the program in its text lacks.
+void checkActiveRows(const RegionMap& map, const ExplorerProgram& program) {
   for (std::size_t i = 0; i < map.regionCount(); ++i) {
     const RegionView region = map.region(i);
     for (std::uint32_t k = 0; k < region.active_count; ++k) {
-      if (static_cast<std::size_t>(region.active[k]) >= m)
+      if (static_cast<std::size_t>(region.active[k]) >= program.b.size())
         throw Error(map.path() + ": program: lacks rows that are active in region " + std::to_string(i));
     }
   }
@@ -95,18 +57,20 @@ Json programJson(const ExplorerProgram& program) {
 Json factsJson(const RegionMap& map, const ExplorerContent& content) {
   Json json = {
       {"no_model", content.no_model}, {"no_cost", content.no_cost}, {"constraints", content.constraints}};
-  if (content.model) {
-    checkModel(map, *content.model);
-    json["model"] = modelJson(*content.model);
-  }
+  if (content.model) json["model"] = modelJson(*content.model);
   if (content.program) {
-    checkProgramSizes(map, *content.program);
+    checkActiveRows(map, *content.program);
     json["program"] = programJson(*content.program);
   }
   if (content.flight) {
     const ExplorerFlight& flight = *content.flight;
-    checkSize(map, "flight.thetas", flight.thetas.size(), flight.times.size() * map.parameters().size());
-    checkFinite(map, "flight.times", flight.times);
+    const std::size_t expected = flight.times.size() * map.parameters().size();
+    if (flight.thetas.size() != expected) {
+      throw Error(map.path() + ": flight.thetas: must have " + std::to_string(expected) + " numbers, got " +
+                  std::to_string(flight.thetas.size()));
+    }
+    for (const double time : flight.times)
+      if (!std::isfinite(time)) throw Error(map.path() + ": flight.times: must be finite");
     json["flight"] = {{"source", flight.source},
                       {"time", numbersText(flight.times)},
                       {"theta", numbersText(flight.thetas)}};

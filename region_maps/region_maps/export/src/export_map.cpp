@@ -114,11 +114,22 @@ void addTables(Replacements& keys, const RegionMap& map, const CodeTables& table
   keys["region_rows"] = std::to_string(tables.region_law.size());
 }
 
-/// The parts of NAME.c of doubles that search a leaf.
-void addLeastSearch(Replacements& keys) {
-  keys["least"] = replaced("        @real@ least = @most@;\n", keys);
-  keys["candidate_test"] = replaced(kLeastTest, keys);
-  keys["search"] = replaced(kLeastSearch, keys);
+/// The parts of NAME.c that search a leaf.
+void addSearch(Replacements& keys, ExportType type) {
+  const bool is_double = type == ExportType::kDouble;
+  const std::string most = keys["most"];
+  keys["test_comment"] = is_double ? "Greatest violation of the rows of a candidate; " + most +
+                                         " where one exceeds the tolerance."
+                                   : "Whether all rows of a candidate hold within the tolerance.";
+  keys["test_type"] = is_double ? keys["real"] : "int";
+  keys["test_name"] = is_double ? "violation" : "holds";
+  keys["test_result"] = is_double ? "greatest" : "holds";
+  keys["test_start"] = is_double ? "-" + most : "1";
+  keys["test_broken"] = is_double ? most : "0";
+  keys["test_held"] = is_double ? kGreatestViolation : "";
+  keys["candidate_test"] = replaced(kCandidateTest, keys);
+  keys["least"] = is_double ? replaced("        @real@ least = @most@;\n", keys) : "";
+  keys["search"] = replaced(is_double ? kLeastSearch : kFirstSearch, keys);
 }
 
 }  // namespace
@@ -189,13 +200,7 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   keys["tree"] = has_nodes ? replaced(kTreeTemplate, keys) : "";
   keys["node_count"] = has_nodes ? "#define NODE_COUNT " + keys["nodes"] + "u\n" : "";
   keys["descent"] = has_nodes ? replaced(kDescentTemplate, keys) : "";
-  if (options.type == ExportType::kDouble) {
-    addLeastSearch(keys);
-  } else {
-    keys["least"] = "";
-    keys["candidate_test"] = replaced(kFirstTest, keys);
-    keys["search"] = replaced(kFirstSearch, keys);
-  }
+  addSearch(keys, options.type);
   return replaced(kSourceTemplate, keys);
 }
 

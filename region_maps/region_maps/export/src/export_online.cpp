@@ -170,27 +170,9 @@ std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options,
   keys["oracle"] = "another solver in double";
   keys["workspace"] = "\nstatic " + options.name + "_workspace workspace;\n";
   keys["parameter_note"] =
-      "vertices of the box, and points in it. Of all confirmed solutions, the last took the most operations.";
+      "vertices of the box, and points in it. Of all confirmed solutions, the last took the most iterations.";
   keys["call"] = options.name + "_solve(&workspace, theta, u)";
   return testText(std::move(keys), options.type, vectors);
-}
-
-std::uint64_t onlineMultiplyAdds(const OnlineTables& tables, std::uint32_t iterations) {
-  const std::uint64_t p = tables.parameters.size();
-  const std::uint64_t m = tables.inputs.size();
-  const std::uint64_t n = tables.variables;
-  const std::uint64_t k = tables.activeLimit();
-  const std::uint64_t scan = tables.rowCount() * n;
-  const std::uint64_t triangle = k * (k + 1) / 2;
-  // All rows of the factor but the first: Gram entries, substitution, division and pivot.
-  std::uint64_t factor = 0;
-  for (std::uint64_t row = 1; row <= k; ++row) factor += row * n + row * (row - 1) / 2 + 2 * row;
-  // One iteration factorises the entering row and, where it drops a side, at most all rows after it.
-  const std::uint64_t admission = factor + triangle + (k + 1) * n + k + 1 + k + 2 * n;
-  const std::uint64_t refreshed = 2 * (2 * triangle + k + 2 * k * n);
-  const std::uint64_t once =
-      (tables.sideCount() + tables.conditionCount()) * p + 2 * m * (p + n) + scan + refreshed;
-  return once + iterations * (admission + 2 * scan + refreshed);
 }
 
 std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options,
@@ -211,12 +193,10 @@ std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options
          ",\n  \"code_bytes\": {\"cortex_m4f\": " + number(code_bytes) + "}" +
          ",\n  \"workspace_bytes\": " + number(workspaceBytes(tables, options)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"iterations\": " + keys.at("limit") +
-         ", \"multiply_adds\": " + number(onlineMultiplyAdds(tables, options.iteration_limit)) +
          "},\n  \"met\": {\"parameters\": " + number(record.parameters) +
          ", \"solved\": " + number(record.solved) + ", \"infeasible\": " + number(record.infeasible) +
          ", \"stopped\": " + number(record.stopped) + ", \"confirmed\": " + number(record.confirmed) +
-         ", \"iterations\": " + number(record.iterations) +
-         ", \"multiply_adds\": " + number(record.multiply_adds) + ", \"error\": [" + errors + "]}\n}\n";
+         ", \"iterations\": " + number(record.iterations) + ", \"error\": [" + errors + "]}\n}\n";
 }
 
 }  // namespace polyfly

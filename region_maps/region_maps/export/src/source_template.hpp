@@ -145,13 +145,13 @@ inline constexpr char kDescentTemplate[] =
         child -= NODE_COUNT;
 )code";
 
-/// The search of doubles, which is that of RegionMap: the candidate with the least violation.
-inline constexpr char kLeastTest[] =
-    R"code(/* Greatest violation of the rows of a candidate; @most@ where one exceeds the tolerance. */
-static @real@ @name@_violation(const @real@ theta[@p@], @index@ candidate)
+/// The rows of a candidate, with what each type does where one is broken or held.
+inline constexpr char kCandidateTest[] =
+    R"code(/* @test_comment@ */
+static @test_type@ @name@_@test_name@(const @real@ theta[@p@], @index@ candidate)
 {
     const @index@ end = @candidate_first_read@(@name@_candidate_first[candidate + 1u]);
-    @real@ greatest = -@most@;
+    @test_type@ @test_result@ = @test_start@;
     @index@ i;
 
     for (i = @candidate_first_read@(@name@_candidate_first[candidate]); i < end; ++i) {
@@ -161,18 +161,23 @@ static @real@ @name@_violation(const @real@ theta[@p@], @index@ candidate)
 
         /* Also true for NaN. */
         if (!(violation <= @name@_tolerance)) {
-            greatest = @most@;
+            @test_result@ = @test_broken@;
             break;
         }
-        if (violation > greatest) {
-            greatest = violation;
-        }
-    }
-    return greatest;
+@test_held@    }
+    return @test_result@;
 }
 
 )code";
 
+/// What code of doubles does with a row that holds.
+inline constexpr char kGreatestViolation[] =
+    R"code(        if (violation > greatest) {
+            greatest = violation;
+        }
+)code";
+
+/// The search of doubles, which is that of RegionMap: the candidate with the least violation.
 inline constexpr char kLeastSearch[] =
     R"code(        /* The first candidate without a violation, or else the one with the least. */
         for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
@@ -191,30 +196,6 @@ inline constexpr char kLeastSearch[] =
 )code";
 
 /// The search of types whose tolerance exceeds all rounding: the first candidate that holds.
-inline constexpr char kFirstTest[] =
-    R"code(/* Whether all rows of a candidate hold within the tolerance. */
-static int @name@_holds(const @real@ theta[@p@], @index@ candidate)
-{
-    const @index@ end = @candidate_first_read@(@name@_candidate_first[candidate + 1u]);
-    int holds = 1;
-    @index@ i;
-
-    for (i = @candidate_first_read@(@name@_candidate_first[candidate]); i < end; ++i) {
-        const @index@ row = @row_read@(@name@_row[i]);
-        const @real@ distance = @name@_distance(theta, row >> 1u);
-        const @real@ violation = ((row & 1u) != 0u) ? -distance : distance;
-
-        /* Also true for NaN. */
-        if (!(violation <= @name@_tolerance)) {
-            holds = 0;
-            break;
-        }
-    }
-    return holds;
-}
-
-)code";
-
 inline constexpr char kFirstSearch[] =
     R"code(        for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
             if (@name@_holds(theta, i) != 0) {

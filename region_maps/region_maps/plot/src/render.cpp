@@ -4,15 +4,12 @@
 
 #include "map_plot/figure.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "run_gnuplot.hpp"
 
 namespace polyfly {
 namespace {
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
 
 ImageFormat formatOf(const std::string& path) {
   if (endsWith(path, ".svg")) {

@@ -41,9 +41,6 @@ CLI::Validator numberFrom(double least, double greatest = std::numeric_limits<do
 /// Finite numbers above `least`.
 CLI::Validator numberAbove(double least);
 
-/// Numbers between the two, which do not count themselves.
-CLI::Validator numberBetween(double least, double greatest);
-
 /// Any finite number.
 CLI::Validator finiteNumber();
 

@@ -70,8 +70,8 @@ struct ExplorerContent {
 };
 
 /// One HTML file that shows the map and computes everything else in the browser. It holds the bytes of the map, needs
-/// no network, and names in it cannot become markup. The same arguments give the same bytes. Throws Error when sizes of
-/// the content do not fit the map.
+/// no network, and names in it cannot become markup. The same arguments give the same bytes. Sizes of model and program fit the
+/// map. Throws Error when those of the flight do not, or the program lacks active rows.
 std::string explorerPage(const RegionMap& map, const ExplorerContent& content);
 
 /// RFC 4648, with padding.

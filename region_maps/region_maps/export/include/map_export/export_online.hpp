@@ -81,9 +81,8 @@ struct OnlineRecord {
   std::uint64_t stopped = 0;
   /// Answers that the other solver confirmed. It is silent where rounding may decide whether there is a solution.
   std::uint64_t confirmed = 0;
-  /// Greatest numbers of one solution that did not reach the limit.
+  /// Greatest number of one solution that did not reach the limit.
   std::uint32_t iterations = 0;
-  std::uint64_t multiply_adds = 0;
   /// Greatest difference from another solver in double, of each input. Size m. [the input's unit]
   std::vector<double> error;
 };
@@ -101,10 +100,7 @@ std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options,
 /// Bound of the bytes of instructions on a Cortex-M4F, as FlashBytes has it of maps.
 std::size_t onlineCodeBytes(ExportType type);
 
-/// The text of NAME.json: bytes, greatest number of operations at the iteration limit, and what was met.
+/// The text of NAME.json: bytes, the iteration limit, and what was met.
 std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options, const OnlineRecord& record);
-
-/// Greatest number of multiply-adds and divisions of one solution with so many iterations.
-std::uint64_t onlineMultiplyAdds(const OnlineTables& tables, std::uint32_t iterations);
 
 }  // namespace polyfly

@@ -12,7 +12,7 @@ namespace polyfly {
 
 enum class OnlineStatus { kOk, kInfeasible, kNotFinite, kIterations };
 
-/// The generated solver, operation for operation, so that its iterations and operations can be counted. A test compares
+/// The generated solver, operation for operation, so that its iterations can be counted. A test compares
 /// it with the compiled code bit for bit. Real is double or float.
 template <class Real>
 class OnlineSolver {
@@ -45,7 +45,6 @@ class OnlineSolver {
 
   /// theta p numbers, u m numbers; u is unchanged without kOk.
   OnlineStatus solve(const Real* theta, Real* u) {
-    multiply_adds_ = 0;
     OnlineStatus status = start(theta);
     std::uint32_t side = mostViolated();
     while (status == OnlineStatus::kOk && side < side_count_) {
@@ -61,8 +60,6 @@ class OnlineSolver {
   }
 
   std::uint32_t iterations() const { return iterations_; }
-  /// Multiply-adds and divisions of the last solution.
-  std::uint64_t multiplyAdds() const { return multiply_adds_; }
 
  private:
   static std::vector<Real> rounded(const std::vector<double>& values) {
@@ -76,21 +73,18 @@ class OnlineSolver {
   Real affine(const Real* coefficients, const Real* theta) {
     Real sum = coefficients[parameters_];
     for (std::size_t i = 0; i < parameters_; ++i) sum += coefficients[i] * theta[i];
-    multiply_adds_ += parameters_;
     return sum;
   }
 
   Real dot(const Real* a, const Real* b) {
     Real sum = 0;
     for (std::size_t i = 0; i < variables_; ++i) sum += a[i] * b[i];
-    multiply_adds_ += variables_;
     return sum;
   }
 
   void add(std::vector<Real>& y, Real factor, std::uint32_t side) {
     const Real signed_factor = (side & 1u) != 0 ? -factor : factor;
     for (std::size_t i = 0; i < variables_; ++i) y[i] += signed_factor * row(side)[i];
-    multiply_adds_ += variables_;
   }
 
   Real along(std::uint32_t side, const Real* v) {
@@ -108,7 +102,6 @@ class OnlineSolver {
       for (std::size_t i = 0; i < j; ++i) sum -= factor_[first + i] * factor_[first_j + i];
       factor_[first + j] = sum;
       first_j += j;
-      multiply_adds_ += j;
     }
     Real pivot = 1;
     for (std::size_t j = 0; j < k; ++j) {
@@ -116,7 +109,6 @@ class OnlineSolver {
       factor_[first + j] = product / pivot_[j];
       pivot -= factor_[first + j] * product;
     }
-    multiply_adds_ += 2 * k;
     pivot_[k] = pivot;
   }
 
@@ -124,7 +116,6 @@ class OnlineSolver {
     for (std::size_t j = count; j > 1; --j) {
       const std::size_t first = j * (j - 1) / 2 - (j - 1);
       for (std::size_t i = 0; i + 1 < j; ++i) x[i] -= factor_[first + i] * x[j - 1];
-      multiply_adds_ += j - 1;
     }
   }
 
@@ -169,7 +160,6 @@ class OnlineSolver {
     for (std::size_t j = 0; j < active_count_; ++j) {
       if (!(rate_[j] > rate_zero_)) continue;
       const Real to_zero = multiplier_[j] / rate_[j];
-      ++multiply_adds_;
       if (to_zero < step) {
         step = to_zero;
         position = j;
@@ -204,17 +194,14 @@ class OnlineSolver {
       if (is_independent) {
         const Real slack = limit_[entering] - along(sides_[entering], point_.data());
         full_step = slack < 0 ? -slack / pivot_[count] : 0;
-        ++multiply_adds_;
       }
       if (!is_independent && blocking == count) return OnlineStatus::kInfeasible;
       const bool is_in = is_independent && full_step <= step;
       if (is_in) step = full_step;
       for (std::size_t j = 0; j < count; ++j) multiplier_[j] -= step * rate_[j];
       multiplier_[count] += step;
-      multiply_adds_ += count;
       if (is_independent) {
         for (std::size_t j = 0; j < variables_; ++j) point_[j] += step * direction_[j];
-        multiply_adds_ += variables_;
       }
       if (is_in) {
         active_count_ = count + 1;
@@ -229,10 +216,8 @@ class OnlineSolver {
     for (std::size_t j = 0; j < active_count_; ++j) {
       for (std::size_t i = 0; i < j; ++i) x[j] -= factor_[first + i] * x[i];
       first += j;
-      multiply_adds_ += j;
     }
     for (std::size_t j = 0; j < active_count_; ++j) x[j] /= pivot_[j];
-    multiply_adds_ += active_count_;
     solveTransposed(x, active_count_);
   }
 
@@ -297,8 +282,6 @@ class OnlineSolver {
       values[j] = affine(&law_[j * (parameters_ + 1)], theta) + dot(&effect_[j * variables_], point_.data());
       if (!std::isfinite(values[j])) return OnlineStatus::kNotFinite;
     }
-    // The code computes them a second time as it writes them.
-    multiply_adds_ += inputs_ * (parameters_ + variables_);
     for (std::size_t j = 0; j < inputs_; ++j) u[j] = values[j];
     return OnlineStatus::kOk;
   }
@@ -313,7 +296,6 @@ class OnlineSolver {
   std::vector<std::uint32_t> active_;
   std::size_t active_count_ = 0;
   std::uint32_t iterations_ = 0;
-  std::uint64_t multiply_adds_ = 0;
 };
 
 }  // namespace polyfly

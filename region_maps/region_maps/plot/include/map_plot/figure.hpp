@@ -12,8 +12,6 @@ namespace palette {
 constexpr const char* kBlue = "#0072b2";
 constexpr const char* kVermilion = "#d55e00";
 constexpr const char* kGreen = "#009e73";
-constexpr const char* kOrange = "#e69f00";
-constexpr const char* kSky = "#56b4e9";
 constexpr const char* kPurple = "#cc79a7";
 constexpr const char* kInk = "#22272e";
 constexpr const char* kGrey = "#8a929c";

@@ -1,4 +1,0 @@
-from ._polyfly import Path, Program
-
-
-def load_mat(path: Path) -> Program: ...
