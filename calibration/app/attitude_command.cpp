@@ -15,7 +15,6 @@ namespace {
 struct AttitudeArguments : LogArguments {
   std::string validation;
   std::vector<std::string> axes;
-  std::vector<std::string> validation_windows;
   bool second_order = false;
   IdentifyOptions options;
 };
@@ -66,7 +65,6 @@ std::vector<std::string> axesOf(const std::vector<FlightSignals>& flights,
 
 AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   IdentifyOptions options = arguments.options;
-  options.validation_windows = parseWindows(arguments.validation_windows);
   AttitudeCalibration calibration;
   const std::vector<FlightSignals> flights = readFlights(arguments, &calibration);
   const auto windows = flightWindows(arguments.windows, flights.size());
@@ -116,10 +114,7 @@ void addAttitudeCommand(CLI::App& app, int* result) {
       ->type_name("FILE");
   command->add_option("--axis", arguments->axes, "Identify only these axes (default: all in the log).")
       ->check(oneOf(std::vector<std::string>{"roll", "pitch", "yaw_rate", "thrust"}));
-  command
-      ->add_option("--validation-window", arguments->validation_windows,
-                   "Interval to use of the validation flight. May be repeated.")
-      ->type_name("FROM:TO");
+  addRemoved(*command, {"--validation-window"}, "was removed; the tool chooses the intervals itself");
   command->add_flag("--second-order", arguments->second_order,
                     "Fit a0, a1, b0 (Eq. 45) for every axis, not only for the roll of a fixed wing.");
   command->add_option("--delay-max", arguments->options.fit.delay_greatest, "Upper bound of the delay [s].")

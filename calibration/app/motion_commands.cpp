@@ -39,10 +39,8 @@ int run(const std::string& kind, const MotionArguments& arguments) {
   const MotionOptions& options = arguments.motion;
   const std::vector<Motion> flights = readMotions(arguments, &calibration);
   if (kind == "disturbance") {
-    const Motion motion = joined(flights);
-    calibration.bounds = boundDisturbance(motion, options, arguments.limits);
-    calibration.fit.traces = disturbanceTraces(motion, options);
-    calibration.fit.warnings = checkMotion(motion);
+    calibration.fit = traceDisturbance(flights, options);
+    calibration.bounds = boundDisturbance(flights, options, arguments.limits);
   } else {
     calibration.fit = kind == "drag" ? fitDrag(flights) : fitMass(flights, options);
   }

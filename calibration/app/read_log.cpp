@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <map>
 
 #include "autopilot/autopilot_signals.hpp"
@@ -76,20 +75,21 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
   command.add_flag("--quiet", arguments.quiet, "Print nothing but errors.");
 }
 
-std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
-  std::vector<TimeWindow> windows;
-  for (const std::string& text : texts) {
-    TimeWindow window;
-    const std::size_t colon = text.find(':');
-    const bool good = colon != std::string::npos &&
-                      CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
-                      CLI::detail::lexical_cast(text.substr(colon + 1), window.to) &&
-                      std::isfinite(window.from) && std::isfinite(window.to) && window.from < window.to;
-    if (!good) throw Error("--window " + text + ": must be FROM:TO in seconds, FROM before TO");
-    windows.push_back(window);
-  }
-  return windows;
+namespace {
+
+// FROM:TO in seconds, of the option's text.
+TimeWindow windowOf(const std::string& window, const std::string& text) {
+  TimeWindow result;
+  const std::size_t colon = window.find(':');
+  const bool good = colon != std::string::npos &&
+                    CLI::detail::lexical_cast(window.substr(0, colon), result.from) &&
+                    CLI::detail::lexical_cast(window.substr(colon + 1), result.to) &&
+                    std::isfinite(result.from) && std::isfinite(result.to) && result.from < result.to;
+  if (!good) throw Error("--window " + text + ": must be FROM:TO in seconds, FROM before TO");
+  return result;
 }
+
+}  // namespace
 
 std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string>& texts,
                                                    std::size_t flights) {
@@ -104,7 +104,7 @@ std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string
       throw Error("--window " + text + ": its first number must be that of a log, 1 to " +
                   std::to_string(flights));
     }
-    const TimeWindow window = parseWindows({is_of_one ? text.substr(colon + 1) : text}).front();
+    const TimeWindow window = windowOf(is_of_one ? text.substr(colon + 1) : text, text);
     for (std::size_t i = 0; i < flights; ++i) {
       if (!is_of_one || i + 1 == number) windows[i].push_back(window);
     }
@@ -114,47 +114,34 @@ std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string
 
 namespace {
 
-// The date where the times count from 1970. Empty otherwise.
-std::string dateOf(const FlightSignals& signals) {
-  double first = std::numeric_limits<double>::infinity();
-  for (const auto& [name, series] : signals.series) {
-    const auto found =
-        std::find_if(series.time.begin(), series.time.end(), [](double time) { return std::isfinite(time); });
-    if (found != series.time.end()) first = std::min(first, *found);
-  }
-  return countsFromEpoch(first) ? isoTime(first) : std::string();
-}
-
 FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                          std::vector<std::string>* remarks) {
   const auto choice = parseSignals(arguments.signals);
+  FlightSignals signals;
+  std::vector<std::string> told;
+  double first = 0.0;
   if (isAutopilotLog(path)) {
     AutopilotSignals log = signalsFromAutopilot(path, choice, arguments.on_ground);
-    *provenance = provenanceOf(path);
-    provenance->recorded = arguments.recorded;
-    for (const std::string& remark : log.remarks) remarks->push_back(path + ": " + remark);
-    return log.signals;
+    signals = std::move(log.signals);
+    told = std::move(log.remarks);
+  } else if (endsWith(path, ".bag")) {
+    BagSignalOptions options = {arguments.topics, arguments.name_space, choice, {}};
+    if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
+    BagSignals bag = signalsFromBag(path, options);
+    signals = std::move(bag.signals);
+    told = std::move(bag.health.remarks);
+    first = bag.health.first;
+  } else {
+    signals = signalsFromCsv(readCsv(path), choice);
+    told = signals.remarks;
+    first = spanOf(signals).from;
   }
-  if (!endsWith(path, ".bag")) {
-    FlightSignals signals = signalsFromCsv(readCsv(path), choice);
-    for (const std::string& remark : signals.remarks) remarks->push_back(path + ": " + remark);
-    *provenance = provenanceOf(path);
-    provenance->recorded = arguments.recorded.empty() ? dateOf(signals) : arguments.recorded;
-    return signals;
-  }
-  BagSignalOptions options;
-  options.choice = choice;
-  options.topics = arguments.topics;
-  options.name_space = arguments.name_space;
-  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
-  BagSignals bag = signalsFromBag(path, options);
+  for (const std::string& remark : told) remarks->push_back(path + ": " + remark);
   *provenance = provenanceOf(path);
-  provenance->recorded = arguments.recorded;
   // A simulated clock begins in 1970: that is no date.
-  if (arguments.recorded.empty() && countsFromEpoch(bag.health.first))
-    provenance->recorded = isoTime(bag.health.first);
-  for (const std::string& remark : bag.health.remarks) remarks->push_back(path + ": " + remark);
-  return bag.signals;
+  provenance->recorded =
+      arguments.recorded.empty() && countsFromEpoch(first) ? isoTime(first) : arguments.recorded;
+  return signals;
 }
 
 }  // namespace

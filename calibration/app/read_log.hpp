@@ -34,9 +34,6 @@ void declareLog(CLI::App& command, LogArguments& arguments);
 std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string>& texts,
                                                    std::size_t flights);
 
-/// FROM:TO in seconds. Throws Error.
-std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
-
 /// Signals of a flight in any form, with units settled and the stretches that are no flight; appends what was
 /// wrong with it, where its times jump, and those stretches. Throws Error.
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,

@@ -108,7 +108,7 @@ TEST(DisturbanceRoundTrip, FromABagToAMap) {
   // and what it does not support is refused.
   calibration.limits.share = 0.65;
   calibration.bounds =
-      polyfly::boundDisturbance(polyfly::motionOf(signals, options), options, calibration.limits);
+      polyfly::boundDisturbance({polyfly::motionOf(signals, options)}, options, calibration.limits);
   std::ofstream(folder + "disturbance.yaml") << polyfly::yamlText(polyfly::jsonOf(calibration));
 
   const std::string text =

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "fit_uncertainty.hpp"
 #include "identification/motion.hpp"
@@ -85,20 +86,32 @@ void checkStationarity(const Eigen::VectorXd& residual, DisturbanceBound* bound)
 
 }  // namespace
 
-std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const MotionOptions& options,
-                                               const BoundOptions& limits) {
-  const std::vector<Eigen::Index> starts(motion.starts.begin(), motion.starts.end());
+std::vector<DisturbanceBound> boundDisturbance(const std::vector<Motion>& flights,
+                                               const MotionOptions& options, const BoundOptions& limits) {
+  std::vector<Eigen::Index> starts = {0};
+  std::vector<double> unexplained[std::size(kAxes)];
+  bool sound = true;
+  for (const Motion& flight : flights) {
+    for (std::size_t i = 1; i < flight.starts.size(); ++i)
+      starts.push_back(starts.back() + flight.starts[i] - flight.starts[i - 1]);
+    const Eigen::MatrixX3d left =
+        flight.acceleration - flight.expected + flight.velocity * options.drag.asDiagonal();
+    for (Eigen::Index axis = 0; axis < left.cols(); ++axis) {
+      std::vector<double>& all = unexplained[axis];
+      all.insert(all.end(), left.col(axis).data(), left.col(axis).data() + left.rows());
+    }
+    sound = sound && checkMotion(flight).empty();
+  }
   std::vector<DisturbanceBound> bounds;
-  const bool sound = checkMotion(motion).empty();
-  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
-    const Eigen::VectorXd residual = motion.acceleration.col(axis) - motion.expected.col(axis) +
-                                     options.drag[axis] * motion.velocity.col(axis);
+  for (std::size_t axis = 0; axis < (flights.front().thrust_known ? 3 : 2); ++axis) {
+    std::vector<double>& sorted = unexplained[axis];
+    const Eigen::VectorXd residual =
+        Eigen::Map<const Eigen::VectorXd>(sorted.data(), static_cast<Eigen::Index>(sorted.size()));
     DisturbanceBound bound;
     bound.axis = kAxes[axis];
     bound.mean = residual.mean();
     bound.deviation = std::sqrt((residual.array() - bound.mean).square().mean());
     bound.independent_samples = independentSamples(residual, starts);
-    std::vector<double> sorted(residual.data(), residual.data() + residual.size());
     std::sort(sorted.begin(), sorted.end());
     // Both sides must hold.
     const double outside = 0.5 * (1.0 - limits.share);

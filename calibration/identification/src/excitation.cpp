@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "polyfly_base/quantile.hpp"
 
@@ -41,12 +42,13 @@ std::vector<double> onGrid(const TimeSeries& series, const TimeWindow& window) {
   return values;
 }
 
-// Of one piece of the record, appended to what there is of the others.
-void addActivity(const TimeSeries& command, const TimeWindow& window, TimeSeries* activity) {
+// Deviation of the command around each time of the grid.
+std::vector<double> activityOf(const TimeSeries& command, const TimeWindow& window) {
   const std::vector<double> values = onGrid(command, window);
   const auto reach = static_cast<std::ptrdiff_t>(std::lround(kHalfWidth / kGrid));
   std::vector<double> sum(values.size() + 1, 0.0);
   std::vector<double> square(values.size() + 1, 0.0);
+  std::vector<double> activity;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double value = values[i] - values.front();
     sum[i + 1] = sum[i] + value;
@@ -59,9 +61,9 @@ void addActivity(const TimeSeries& command, const TimeWindow& window, TimeSeries
     const auto count = static_cast<double>(to - from);
     const double mean = (sum[to] - sum[from]) / count;
     const double variance = (square[to] - square[from]) / count - mean * mean;
-    activity->time.push_back(window.from + kGrid * static_cast<double>(i));
-    activity->value.push_back(std::sqrt(std::max(0.0, variance)));
+    activity.push_back(std::sqrt(std::max(0.0, variance)));
   }
+  return activity;
 }
 
 // Activity above which lies half of its energy. Where a short excitation is in a long hover, the quantile is that of
@@ -78,21 +80,13 @@ double energyLevel(std::vector<double> values) {
   return 0.0;
 }
 
-// A piece of the record and its part of the activity, [first, last).
-struct ActivePiece {
-  TimeWindow window;
-  std::size_t first = 0;
-  std::size_t last = 0;
-};
-
-std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double threshold,
-                                      const ActivePiece& piece) {
-  const TimeWindow& all = piece.window;
+std::vector<TimeWindow> activeWindows(const TimeWindow& all, const std::vector<double>& activity,
+                                      double threshold) {
   std::vector<TimeWindow> windows;
-  for (std::size_t i = piece.first; i < piece.last; ++i) {
-    if (activity.value[i] < threshold) continue;
-    const TimeWindow around = {std::max(all.from, activity.time[i] - kMargin),
-                               std::min(all.to, activity.time[i] + kMargin)};
+  for (std::size_t i = 0; i < activity.size(); ++i) {
+    if (activity[i] < threshold) continue;
+    const double time = all.from + kGrid * static_cast<double>(i);
+    const TimeWindow around = {std::max(all.from, time - kMargin), std::min(all.to, time + kMargin)};
     if (!windows.empty() && around.from <= windows.back().to + kJoin) {
       windows.back().to = around.to;
     } else {
@@ -150,9 +144,9 @@ ExcitationChoice chooseExcitation(const LoopRecord& record) {
   const TimeWindow all = {std::max(record.command.time.front(), record.response.time.front()),
                           record.response.time.back()};
   if (!(all.from < all.to)) return choice;
-  std::vector<ActivePiece> active;
-  // Deviation of the command around each time.
-  TimeSeries activity;
+  // Pieces of the record with their activities, and all activities.
+  std::vector<std::pair<TimeWindow, std::vector<double>>> pieces;
+  std::vector<double> all_activity;
   choice.rejected = record.not_flight;
   for (const TimeWindow& window :
        windowsWithout(cutAtFarSteps({all}, record.response.time), record.not_flight)) {
@@ -160,16 +154,14 @@ ExcitationChoice chooseExcitation(const LoopRecord& record) {
       choice.rejected.push_back({window, "its samples are too far apart"});
       continue;
     }
-    const std::size_t first = activity.time.size();
-    addActivity(record.command, window, &activity);
-    active.push_back({window, first, activity.time.size()});
+    pieces.emplace_back(window, activityOf(record.command, window));
+    all_activity.insert(all_activity.end(), pieces.back().second.begin(), pieces.back().second.end());
   }
-  if (active.empty()) return choice;
-  const double threshold = std::max(kThresholdShare * quantileOf(activity.value, kBusyShare),
-                                    kEnergyShare * energyLevel(activity.value));
+  const double threshold = std::max(kThresholdShare * quantileOf(all_activity, kBusyShare),
+                                    kEnergyShare * energyLevel(all_activity));
   if (threshold < kLeastActivity) return choice;
-  for (const ActivePiece& piece : active) {
-    for (const TimeWindow& window : activeWindows(activity, threshold, piece)) {
+  for (const auto& [piece, activity] : pieces) {
+    for (const TimeWindow& window : activeWindows(piece, activity, threshold)) {
       if (window.to - window.from < kLeastWindow) {
         choice.rejected.push_back({window, "too short"});
       } else {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "diagnose.hpp"
@@ -28,23 +29,14 @@ double totalDuration(const std::vector<LoopSegment>& segments) {
   return sum;
 }
 
-// The segments in two halves of equal duration, the first one earlier.
-std::pair<std::vector<TimeWindow>, std::vector<TimeWindow>> halves(const std::vector<LoopSegment>& segments) {
-  std::pair<std::vector<TimeWindow>, std::vector<TimeWindow>> result;
+// Time by which half of the segments is over.
+double middleOf(const std::vector<LoopSegment>& segments) {
   double left = 0.5 * totalDuration(segments);
   for (const LoopSegment& segment : segments) {
-    const TimeWindow window = {segment.time.front(), segment.time.back()};
-    if (left >= segment.duration()) {
-      result.first.push_back(window);
-    } else if (left <= 0.0) {
-      result.second.push_back(window);
-    } else {
-      result.first.push_back({window.from, window.from + left});
-      result.second.push_back({window.from + left, window.to});
-    }
+    if (left <= segment.duration()) return segment.time.front() + left;
     left -= segment.duration();
   }
-  return result;
+  return segments.back().time.back();
 }
 
 AxisValidationFit validateOn(const LoopFit& fit, std::string source, std::vector<LoopSegment> segments) {
@@ -88,9 +80,14 @@ std::size_t modelCount(const std::string& axis, bool second_order) {
 
 // The models of the first half, each validated on the second; none where a half says too little.
 std::vector<AxisValidationFit> validateByHalves(const AxisModel& model, const FitOptions& options) {
-  const auto [first, second] = halves(model.segments);
-  const std::vector<LoopSegment> training = cutSegments(model.record, first, options.delay_greatest);
-  const std::vector<LoopSegment> rest = cutSegments(model.record, second, options.delay_greatest);
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  const double middle = middleOf(model.segments);
+  const auto segments_without = [&](const TimeWindow& half) {
+    return cutSegments(model.record, windowsWithout(model.choice.windows, {{half, ""}}),
+                       options.delay_greatest);
+  };
+  const std::vector<LoopSegment> training = segments_without({middle, kEver});
+  const std::vector<LoopSegment> rest = segments_without({-kEver, middle});
   if (totalDuration(training) < kLeastHalf || totalDuration(rest) < kLeastHalf) return {};
   try {
     std::vector<AxisValidationFit> results;
@@ -127,8 +124,7 @@ std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const Lo
                                                 const IdentifyOptions& options) {
   const LoopRecord clean = cleanRecord(record);
   const std::vector<LoopSegment> segments =
-      cutSegments(clean, chosenWindows(options.validation_windows, clean, options.fit).windows,
-                  options.fit.delay_greatest);
+      cutSegments(clean, chosenWindows({}, clean, options.fit).windows, options.fit.delay_greatest);
   if (segments.empty()) {
     throw Error(clean.source + ": " + model.axis + ": nothing to validate on" + whyUnusable(record.response));
   }

@@ -52,9 +52,23 @@ class AttitudeSignals {
   TimeSeries yaw_cosine_;
 };
 
-std::vector<double> smoothed(const std::vector<double>& time, const std::vector<double>& value,
-                             double half_width) {
-  return smoothedMean(time, cumulativeIntegral(time, value), half_width);
+// Each column through the sliding mean.
+Eigen::MatrixXd slopes(const std::vector<double>& time, Eigen::MatrixXd columns, double half_width) {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const std::vector<double> column(columns.col(k).data(), columns.col(k).data() + columns.rows());
+    const std::vector<double> slope = smoothedMean(time, column, half_width);
+    columns.col(k) = Eigen::Map<const Eigen::VectorXd>(slope.data(), columns.rows());
+  }
+  return columns;
+}
+
+Eigen::MatrixXd smoothed(const std::vector<double>& time, Eigen::MatrixXd columns, double half_width) {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const std::vector<double> column(columns.col(k).data(), columns.col(k).data() + columns.rows());
+    const std::vector<double> integral = cumulativeIntegral(time, column);
+    columns.col(k) = Eigen::Map<const Eigen::VectorXd>(integral.data(), columns.rows());
+  }
+  return slopes(time, std::move(columns), half_width);
 }
 
 // Commands up to 1 are no newtons: no vehicle of which this is the mass flies these maps.
@@ -87,49 +101,32 @@ std::vector<LoopSegment> stretches(const TimeSeries& velocity, const FlightSigna
 
 // Fills one stretch from row `from` on.
 void addStretch(const std::vector<double>& time, const std::array<TimeSeries, 3>& velocity,
-                const AttitudeSignals& attitude, const TimeSeries* thrust, const MotionOptions& options,
+                const AttitudeSignals& attitude, const TimeSeries& thrust, const MotionOptions& options,
                 Eigen::Index from, Motion* motion) {
-  const std::size_t count = time.size();
-  std::array<std::vector<double>, 3> speed;
-  std::array<std::vector<double>, 3> up;
-  std::vector<double> lift(count, 0.0);
-  std::array<std::vector<double>, 3> pull;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d direction = attitude.up(time[i]);
-    const double command = thrust != nullptr ? heldValue(*thrust, time[i]) : 0.0;
-    lift[i] = command * direction.z();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto along = static_cast<Eigen::Index>(axis);
-      speed[axis].push_back(interpolated(velocity[axis], time[i]));
-      up[axis].push_back(direction[along]);
-      pull[axis].push_back(motion->thrust_known ? command / options.mass * direction[along] : 0.0);
-    }
+  const auto count = static_cast<Eigen::Index>(time.size());
+  Eigen::MatrixXd speed(count, 3);
+  Eigen::MatrixXd up(count, 3);
+  Eigen::VectorXd command = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double now = time[static_cast<std::size_t>(i)];
+    up.row(i) = attitude.up(now);
+    motion->yaw[from + i] = attitude.yaw(now);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      speed(i, static_cast<Eigen::Index>(axis)) = interpolated(velocity[axis], now);
+    if (!thrust.time.empty()) command[i] = heldValue(thrust, now);
   }
-  std::array<std::vector<double>, 3> acceleration;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    acceleration[axis] = smoothedMean(time, speed[axis], options.smoothing);
+  const Eigen::MatrixXd acceleration = slopes(time, speed, options.smoothing);
+  Eigen::VectorXd pull = command / options.mass;
   if (!motion->thrust_known) {
     // As much thrust as the vertical motion shows.
-    for (std::size_t i = 0; i < count; ++i) {
-      const double vertical = acceleration[2][i] + options.gravity + options.drag.z() * speed[2][i];
-      for (std::size_t axis = 0; axis < 3; ++axis) pull[axis][i] = vertical / up[2][i] * up[axis][i];
-    }
+    pull = (acceleration.col(2).array() + options.gravity + options.drag.z() * speed.col(2).array()) /
+           up.col(2).array();
   }
-  for (std::size_t i = 0; i < count; ++i)
-    motion->yaw[from + static_cast<Eigen::Index>(i)] = attitude.yaw(time[i]);
-  const std::vector<double> smooth_lift = smoothed(time, lift, options.smoothing);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::vector<double> smooth_pull = smoothed(time, pull[axis], options.smoothing);
-    const std::vector<double> smooth_speed = smoothed(time, speed[axis], options.smoothing);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto row = from + static_cast<Eigen::Index>(i);
-      const auto column = static_cast<Eigen::Index>(axis);
-      motion->acceleration(row, column) = acceleration[axis][i];
-      motion->expected(row, column) = smooth_pull[i] - (axis == 2 ? options.gravity : 0.0);
-      motion->velocity(row, column) = smooth_speed[i];
-      motion->lift[row] = smooth_lift[i];
-    }
-  }
+  motion->acceleration.middleRows(from, count) = acceleration;
+  motion->expected.middleRows(from, count) = smoothed(time, pull.asDiagonal() * up, options.smoothing);
+  motion->expected.col(2).segment(from, count).array() -= options.gravity;
+  motion->velocity.middleRows(from, count) = smoothed(time, speed, options.smoothing);
+  motion->lift.segment(from, count) = smoothed(time, command.cwiseProduct(up.col(2)), options.smoothing);
 }
 
 }  // namespace
@@ -157,7 +154,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   motion.starts.push_back(0);
   for (const LoopSegment& part : parts) {
     motion.time.insert(motion.time.end(), part.time.begin(), part.time.end());
-    motion.starts.push_back(motion.time.size());
+    motion.starts.push_back(static_cast<Eigen::Index>(motion.time.size()));
   }
   const auto rows = static_cast<Eigen::Index>(motion.time.size());
   motion.acceleration.resize(rows, 3);
@@ -165,10 +162,8 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   motion.velocity.resize(rows, 3);
   motion.lift.resize(rows);
   motion.yaw.resize(rows);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    addStretch(parts[i].time, velocity, attitude, thrust.time.empty() ? nullptr : &thrust, options,
-               static_cast<Eigen::Index>(motion.starts[i]), &motion);
-  }
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    addStretch(parts[i].time, velocity, attitude, thrust, options, motion.starts[i], &motion);
   return motion;
 }
 

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include "fit_uncertainty.hpp"
 #include "identification/motion.hpp"
 #include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
+#include "report/report.hpp"
 #include "sentence.hpp"
 
 namespace polyfly {
@@ -23,12 +23,6 @@ constexpr double kLeastCorrelation = 0.5;
 constexpr double kVagueDrag = 0.1;
 // Greatest half width of a confidence interval, relative to the value.
 constexpr double kVagueShare = 0.3;
-// Pause between flights that are put on one clock; more than a far step, so that nothing spans it [s].
-constexpr double kFlightPause = kFarStep + 10.0;
-
-std::vector<Eigen::Index> indices(const std::vector<std::size_t>& starts) {
-  return {starts.begin(), starts.end()};
-}
 
 std::vector<double> list(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
@@ -40,7 +34,12 @@ double rms(const Eigen::VectorXd& values) {
 
 MotionTrace traceOf(const Motion& motion, const std::string& name, const std::string& unit,
                     const Eigen::VectorXd& measured, const Eigen::VectorXd& modelled) {
-  return {name, unit, motion.time, motion.starts, list(measured), list(modelled)};
+  std::vector<TimeWindow> stretches;
+  for (std::size_t i = 1; i < motion.starts.size(); ++i) {
+    stretches.push_back({motion.time[static_cast<std::size_t>(motion.starts[i - 1])],
+                         motion.time[static_cast<std::size_t>(motion.starts[i] - 1)]});
+  }
+  return {name, unit, motion.time, stretches, list(measured), list(modelled)};
 }
 
 FittedParameter parameterOf(const std::string& name, const std::string& unit, const Regression& found,
@@ -81,9 +80,9 @@ void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
 
 // First rows of the stretches where two axes stand one below the other, and the number of rows.
 std::vector<Eigen::Index> stackedStarts(const Motion& motion) {
-  std::vector<Eigen::Index> starts = indices(motion.starts);
-  for (const std::size_t start : motion.starts) {
-    if (start > 0) starts.push_back(motion.velocity.rows() + static_cast<Eigen::Index>(start));
+  std::vector<Eigen::Index> starts = motion.starts;
+  for (const Eigen::Index start : motion.starts) {
+    if (start > 0) starts.push_back(motion.velocity.rows() + start);
   }
   return starts;
 }
@@ -123,20 +122,33 @@ void judgeMass(std::vector<FittedParameter>* parameters, std::vector<std::string
                                first.value, first.half_width));
 }
 
-// One fit as it is; the means of several, with warnings and pictures of each under its name.
-MotionFit meanOf(const std::vector<Motion>& flights, std::vector<MotionFit> fits) {
-  if (fits.size() == 1) return std::move(fits.front());
+// What must be alike for one model.
+void checkAlike(const std::vector<Motion>& flights) {
+  for (const Motion& flight : flights) {
+    if (flight.thrust_known != flights.front().thrust_known ||
+        flight.lift_is_share != flights.front().lift_is_share)
+      throw Error(flight.source +
+                  ": its thrust_cmd is not that of the other flights: missing, or of another unit");
+  }
+}
+
+// The fit of a single flight as it is; of several the means, with warnings and pictures of each under its name.
+template <class Fit>
+MotionFit fitEach(const std::vector<Motion>& flights, const Fit& fit) {
+  checkAlike(flights);
+  if (flights.size() == 1) return fit(flights.front());
   MotionFit mean;
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    const std::string name = std::filesystem::path(flights[i].source).filename().string();
-    mean.flights.push_back(std::move(fits[i].parameters));
-    for (const std::string& warning : fits[i].warnings) mean.warnings.push_back(name + ": " + warning);
-    for (MotionTrace& trace : fits[i].traces) {
-      trace.name = name + ": " + trace.name;
+  for (const Motion& flight : flights) {
+    MotionFit one = fit(flight);
+    const std::string name = fileName(flight.source) + ": ";
+    if (!one.parameters.empty()) mean.flights.push_back(std::move(one.parameters));
+    for (const std::string& warning : one.warnings) mean.warnings.push_back(name + warning);
+    for (MotionTrace& trace : one.traces) {
+      trace.name = name + trace.name;
       mean.traces.push_back(std::move(trace));
     }
   }
-  mean.parameters = meanParameters(mean.flights);
+  if (!mean.flights.empty()) mean.parameters = meanParameters(mean.flights);
   return mean;
 }
 
@@ -159,16 +171,6 @@ std::vector<std::string> checkMotion(const Motion& motion) {
   return warnings;
 }
 
-std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOptions& options) {
-  std::vector<MotionTrace> traces;
-  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
-    traces.push_back(traceOf(motion, std::string("acceleration along ") + kMotionAxes[axis], "m/s^2",
-                             motion.acceleration.col(axis),
-                             motion.expected.col(axis) - options.drag[axis] * motion.velocity.col(axis)));
-  }
-  return traces;
-}
-
 namespace {
 
 MotionFit dragOf(const Motion& motion) {
@@ -179,7 +181,7 @@ MotionFit dragOf(const Motion& motion) {
     columns.col(0) = -motion.velocity.col(axis);
     columns.col(1).setOnes();
     const Eigen::VectorXd left = motion.acceleration.col(axis) - motion.expected.col(axis);
-    const Regression found = regress(columns, left, indices(motion.starts));
+    const Regression found = regress(columns, left, motion.starts);
     const std::string name = kMotionAxes[axis];
     result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
     result.parameters.push_back(parameterOf("offset_" + name, "m/s^2", found, 1));
@@ -194,7 +196,7 @@ MotionFit massOf(const Motion& motion, const MotionOptions& options) {
   if (motion.lift.isZero(0.0)) throw Error(motion.source + ": no thrust_cmd, or it is zero throughout");
   const Eigen::VectorXd load =
       (motion.acceleration.col(2) + options.drag.z() * motion.velocity.col(2)).array() + options.gravity;
-  const Regression found = regress(load, motion.lift, indices(motion.starts));
+  const Regression found = regress(load, motion.lift, motion.starts);
   MotionFit result;
   result.warnings = checkMotion(motion);
   const char* unit = motion.lift_is_share ? "1" : "N";
@@ -209,50 +211,24 @@ MotionFit massOf(const Motion& motion, const MotionOptions& options) {
   return result;
 }
 
-// What must be alike for one model.
-void checkAlike(const std::vector<Motion>& flights) {
-  for (const Motion& flight : flights) {
-    if (flight.thrust_known != flights.front().thrust_known ||
-        flight.lift_is_share != flights.front().lift_is_share)
-      throw Error(flight.source +
-                  ": its thrust_cmd is not that of the other flights: missing, or of another unit");
-  }
-}
-
-// Puts the rows of `other` below those of `all`.
-template <class Matrix>
-void append(const Matrix& other, Matrix* all) {
-  Matrix both(all->rows() + other.rows(), other.cols());
-  both << *all, other;
-  *all = std::move(both);
-}
-
 }  // namespace
 
-Motion joined(const std::vector<Motion>& flights) {
-  checkAlike(flights);
-  Motion all = flights.front();
-  for (std::size_t i = 1; i < flights.size(); ++i) {
-    const Motion& flight = flights[i];
-    const double shift = all.time.back() + kFlightPause - flight.time.front();
-    const std::size_t first = all.time.size();
-    for (const double time : flight.time) all.time.push_back(time + shift);
-    for (std::size_t k = 1; k < flight.starts.size(); ++k) all.starts.push_back(first + flight.starts[k]);
-    append(flight.acceleration, &all.acceleration);
-    append(flight.expected, &all.expected);
-    append(flight.velocity, &all.velocity);
-    append(flight.yaw, &all.yaw);
-    append(flight.lift, &all.lift);
-    all.source += ", " + flight.source;
-  }
-  return all;
+MotionFit traceDisturbance(const std::vector<Motion>& flights, const MotionOptions& options) {
+  return fitEach(flights, [&options](const Motion& motion) {
+    MotionFit result;
+    result.warnings = checkMotion(motion);
+    for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
+      result.traces.push_back(
+          traceOf(motion, std::string("acceleration along ") + kMotionAxes[axis], "m/s^2",
+                  motion.acceleration.col(axis),
+                  motion.expected.col(axis) - options.drag[axis] * motion.velocity.col(axis)));
+    }
+    return result;
+  });
 }
 
 MotionFit fitDrag(const std::vector<Motion>& flights) {
-  checkAlike(flights);
-  std::vector<MotionFit> fits;
-  for (const Motion& flight : flights) fits.push_back(dragOf(flight));
-  MotionFit result = meanOf(flights, std::move(fits));
+  MotionFit result = fitEach(flights, dragOf);
   const bool sound = result.warnings.empty();
   for (FittedParameter& one : result.parameters) {
     if (one.name.rfind("drag_", 0) != 0) continue;
@@ -263,10 +239,7 @@ MotionFit fitDrag(const std::vector<Motion>& flights) {
 }
 
 MotionFit fitMass(const std::vector<Motion>& flights, const MotionOptions& options) {
-  checkAlike(flights);
-  std::vector<MotionFit> fits;
-  for (const Motion& flight : flights) fits.push_back(massOf(flight, options));
-  MotionFit result = meanOf(flights, std::move(fits));
+  MotionFit result = fitEach(flights, [&options](const Motion& flight) { return massOf(flight, options); });
   const bool sound = result.warnings.empty();
   for (FittedParameter& one : result.parameters) one.supported = sound;
   if (flights.front().lift_is_share) {

@@ -36,8 +36,7 @@ Json json(const FittedParameter& parameter) {
 ReportSection selectionOf(const MotionCalibration& calibration) {
   Panel panel = timePanel("", "velocity [m/s]");
   const MotionTrace& trace = calibration.fit.traces.front();
-  for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i)
-    panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
+  for (const TimeWindow& window : trace.stretches) panel.bands.push_back({window.from, window.to});
   for (const auto& [name, velocity] : calibration.record)
     panel.series.push_back(curveOf(velocity, name, kAxisColors[panel.series.size() % 3]));
   return selectionSection(
@@ -165,7 +164,8 @@ Report reportOn(const MotionCalibration& calibration) {
   if (calibration.fit.traces.empty()) return page;
   if (!calibration.record.empty()) page.sections.push_back(selectionOf(calibration));
   for (std::size_t i = 0; i < calibration.fit.traces.size(); ++i) {
-    const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
+    const std::size_t axes = calibration.bounds.size();
+    const DisturbanceBound* bound = axes > 0 ? &calibration.bounds[i % axes] : nullptr;
     page.sections.push_back(timeFigure(calibration.fit.traces[i], bound));
   }
   return page;

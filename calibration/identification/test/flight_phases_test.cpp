@@ -131,7 +131,7 @@ TEST(FlightPhases, ATumbleDoesNotWidenTheDisturbance) {
     const MadeStretchesFlight flight = flightOf(made, 4);
     double size = 0.0;
     MotionOptions options;
-    for (const DisturbanceBound& bound : boundDisturbance(motionOf(flight.signals, options), options, {}))
+    for (const DisturbanceBound& bound : boundDisturbance({motionOf(flight.signals, options)}, options, {}))
       size = std::max({size, -bound.least, bound.greatest});
     return size;
   };

@@ -41,7 +41,7 @@ TEST(Motion, BoundsTheDisturbance) {
     options.drag = made.drag;
     BoundOptions limits;
     limits.share = 0.9;
-    const auto bounds = boundDisturbance(motionOf(signals, options), options, limits);
+    const auto bounds = boundDisturbance({motionOf(signals, options)}, options, limits);
     ASSERT_EQ(bounds.size(), 3u);
     // The truth: normal with this deviation. 1.645 of it on each side hold for 90 % of the time.
     EXPECT_GT(bounds[0].greatest, 1.645 * made.gust * 0.9);
@@ -62,14 +62,14 @@ TEST(Motion, SaysThatARecordIsShortOrUnsteady) {
   MotionOptions options;
   options.mass = kMass;
   options.drag = made.drag;
-  const auto brief = boundDisturbance(motionOf(makeMotion(made, 4), options), options, {});
+  const auto brief = boundDisturbance({motionOf(makeMotion(made, 4), options)}, options, {});
   ASSERT_FALSE(brief[0].warnings.empty());
   EXPECT_NE(brief[0].warnings[0].find("Fly longer"), std::string::npos);
   EXPECT_LT(brief[0].confidence, 0.95);
   made.duration = 200.0;
   made.gust = 0.1;
   made.step = 1.0;
-  const auto changed = boundDisturbance(motionOf(makeMotion(made, 5), options), options, {});
+  const auto changed = boundDisturbance({motionOf(makeMotion(made, 5), options)}, options, {});
   bool wanders = false;
   for (const std::string& sentence : changed[0].warnings)
     wanders |= sentence.find("wanders") != std::string::npos;
@@ -126,7 +126,7 @@ TEST(Motion, TracesShowWhatTheModelLeaves) {
   MotionOptions options;
   options.mass = kMass;
   const Motion motion = motionOf(makeMotion(made, 7), options);
-  const std::vector<MotionTrace> traces = disturbanceTraces(motion, options);
+  const std::vector<MotionTrace> traces = traceDisturbance({motion}, options).traces;
   ASSERT_EQ(traces.size(), 3u);
   const MotionFit drag = fitDrag({motion});
   double before = 0.0;
@@ -164,7 +164,7 @@ TEST(MotionOutput, HasTheFormOfProblemFiles) {
 TEST(Motion, ABoundBeyondGravityIsNotSupported) {
   MadeMotion made;
   made.gust = 8.0;
-  const auto bounds = boundDisturbance(motionOf(makeMotion(made, 1), {}), {}, {});
+  const auto bounds = boundDisturbance({motionOf(makeMotion(made, 1), {})}, {}, {});
   EXPECT_GT(bounds[0].greatest, kGravity);
   EXPECT_FALSE(bounds[0].supported);
   const auto& warnings = bounds[0].warnings;
@@ -210,18 +210,15 @@ TEST(SeveralMotions, GiveTheMeanOfTheirNumbers) {
 
 TEST(SeveralMotions, AreBoundedTogether) {
   const std::vector<Motion> flights = threeFlights({});
-  const Motion together = joined(flights);
-  EXPECT_EQ(together.starts.size(), 4u);
-  EXPECT_EQ(static_cast<std::size_t>(together.velocity.rows()), together.time.size());
-  EXPECT_TRUE(std::is_sorted(together.time.begin(), together.time.end()));
-  EXPECT_GT(boundDisturbance(together, {}, {})[0].independent_samples,
-            1.5 * boundDisturbance(flights[0], {}, {})[0].independent_samples);
+  EXPECT_GT(boundDisturbance(flights, {}, {})[0].independent_samples,
+            1.5 * boundDisturbance({flights[0]}, {}, {})[0].independent_samples);
+  EXPECT_EQ(traceDisturbance(flights, {}).traces.size(), 6u);
 }
 
 TEST(SeveralMotions, MustBeAlikeInTheirThrust) {
   std::vector<Motion> flights = threeFlights({});
   flights[1].lift_is_share = true;
-  EXPECT_THROW(joined(flights), Error);
+  EXPECT_THROW(traceDisturbance(flights, {}), Error);
   EXPECT_THROW(fitMass(flights, {}), Error);
 }
 

@@ -33,8 +33,6 @@ struct AxisRecords {
 struct IdentifyOptions {
   /// Windows that are used as they are. Empty: chooseExcitation chooses them.
   std::vector<TimeWindow> windows;
-  /// Windows of the validation record. Empty: chooseExcitation chooses them.
-  std::vector<TimeWindow> validation_windows;
   /// Bounds of the fit. Order and with_delay are set for each model.
   FitOptions fit;
   /// Whether to fit a second-order model too.

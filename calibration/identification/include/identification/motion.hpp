@@ -33,7 +33,7 @@ struct Motion {
   bool thrust_known = false;
   std::vector<double> time;  ///< [s]
   /// First sample of each stretch without a pause, and the number of samples.
-  std::vector<std::size_t> starts;
+  std::vector<Eigen::Index> starts;
   Eigen::MatrixX3d acceleration;  ///< [m/s^2]
   /// Acceleration from thrust, attitude and gravity, without drag [m/s^2].
   Eigen::MatrixX3d expected;
@@ -50,10 +50,6 @@ struct Motion {
 /// when no stretch is long enough, or when a mass is given and thrust_cmd is such a share.
 Motion motionOf(const FlightSignals& signals, const MotionOptions& options);
 
-/// The motions of flights one after the other, with pauses. Throws Error where they differ in what thrust_cmd is. At least
-/// one flight.
-Motion joined(const std::vector<Motion>& flights);
-
 /// Sentences on what makes any result of this motion doubtful: the vehicle hardly moved, or did not
 /// accelerate where it tilted (frame, sign).
 std::vector<std::string> checkMotion(const Motion& motion);
@@ -64,8 +60,8 @@ struct MotionTrace {
   std::string name;
   std::string unit;
   std::vector<double> time;  ///< [s]
-  /// First sample of each stretch, and the number of samples, as in Motion.
-  std::vector<std::size_t> starts;
+  /// Its stretches without a pause.
+  std::vector<TimeWindow> stretches;
   std::vector<double> measured;
   std::vector<double> modelled;
 };
@@ -98,14 +94,10 @@ struct BoundOptions {
 };
 
 /// Bounds on acceleration minus what thrust, attitude, gravity and drag explain, for each axis; z only where
-/// the thrust is known. Order statistics at the ranks that the binomial distribution of the independent
-/// samples asks for.
-std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const MotionOptions& options,
-                                               const BoundOptions& bound);
-
-/// What acts and the model does not explain, along each axis of boundDisturbance: measured acceleration
-/// beside what thrust, attitude, gravity and drag give.
-std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOptions& options);
+/// the thrust is known; of all flights together. Order statistics at the ranks that the binomial distribution of the
+/// independent samples asks for. Flights of which traceDisturbance throws no Error, at least one.
+std::vector<DisturbanceBound> boundDisturbance(const std::vector<Motion>& flights,
+                                               const MotionOptions& options, const BoundOptions& bound);
 
 /// Parameters with what they explain.
 struct MotionFit {
@@ -116,10 +108,14 @@ struct MotionFit {
   std::vector<std::vector<FittedParameter>> flights;
 };
 
+/// What acts and the model does not explain, along each axis of boundDisturbance: measured acceleration beside what
+/// thrust, attitude, gravity and drag give, without parameters. Throws Error where the flights differ in what thrust_cmd is.
+MotionFit traceDisturbance(const std::vector<Motion>& flights, const MotionOptions& options);
+
 /// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s]. Each has the mean
 /// disturbance beside it; names drag_x, offset_x, and so on. Then those of the rotors along the body's heading and to
-/// its left, with one mean disturbance in W; names drag_forward, drag_left. Of several flights the means (meanParameters); pictures are those
-/// of each flight. At least one flight.
+/// its left, with one mean disturbance in W; names drag_forward, drag_left. Of several flights the means
+/// (meanParameters); pictures are those of each flight. At least one flight.
 MotionFit fitDrag(const std::vector<Motion>& flights);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
