@@ -4,9 +4,11 @@
 
 #include <algorithm>
 
-#include "online_controller_ros/in_force_text.hpp"
+#include "mpc_core/calibration_provenance.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "online_controller_ros/map_swap.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/provenance.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -32,6 +34,52 @@ OptionTable tableOf(polyfly::MultirotorParameters& parameters, const LegacyNames
 
 std::string joined(const std::array<std::string, 3>& paths) {
   return paths[0] + ", " + paths[1] + ", " + paths[2];
+}
+
+std::vector<std::vector<double>> rowsOf(const Eigen::MatrixXd& matrix) {
+  std::vector<std::vector<double>> rows(static_cast<std::size_t>(matrix.rows()));
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+      rows[static_cast<std::size_t>(row)].push_back(matrix(row, column));
+  }
+  return rows;
+}
+
+// The model x' = A x + B u, and the text that it is from, if it is not made from the options.
+void writeProblem(const std::string& space, const polyfly::MpcProblem& problem, polyfly::OptionsText& text) {
+  if (!problem.text.empty()) text.text(space + "/problem", polyfly::checksumOf(problem.text));
+  const std::string calibrations = polyfly::calibrationsOf(problem.text);
+  if (!calibrations.empty()) text.text(space + "/calibration", calibrations);
+  text.matrix(space + "/A", rowsOf(problem.A_c));
+  text.matrix(space + "/B", rowsOf(problem.B_c));
+}
+
+void writeMaps(const char* name, const polyfly::MapSet& set, polyfly::OptionsText& text) {
+  for (std::size_t axis = 0; axis < set.maps.size(); ++axis) {
+    const std::string space =
+        std::string(polyfly::kInForceGroup) + "/" + name + "/" + polyfly::kAxisNames.at(axis).axis;
+    const polyfly::RegionMap& map = set.maps[axis];
+    text.text(space + "/name", std::string(map.name()));
+    text.text(space + "/checksum", polyfly::hexDigits(map.checksum()));
+    writeProblem(space, set.problems.at(axis), text);
+  }
+}
+
+/// Writes what flies: `law` and the setup that is in force. Below `in_force`: the maps by name, checksum and problem, the
+/// models, and the calibrations that these are from.
+void writeInForce(const LawSetup& setup, polyfly::Law law, polyfly::OptionsText& text) {
+  polyfly::MultirotorParameters now = setup.parameters;
+  now.law = polyfly::lawName(law);
+  const std::string space = polyfly::kInForceGroup;
+  text.text(space + "/law", now.law);
+  const std::vector<polyfly::LawType>& types = polyfly::lawTypes();
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (types[i].maps != nullptr) writeMaps(types[i].maps, setup.sources->maps[i], text);
+  }
+  for (std::size_t axis = 0; axis < setup.sources->problems.size(); ++axis)
+    writeProblem(space + "/linear/" + polyfly::kAxisNames.at(axis).axis, setup.sources->problems.at(axis),
+                 text);
+  polyfly::visitMultirotorParameters(now, text);
 }
 
 }  // namespace

@@ -143,9 +143,7 @@ void fillCommand(const polyfly::AttitudeCommand& command, mav_msgs::RollPitchYaw
 void fillAttitudeTarget(const polyfly::AttitudeCommand& command, double yaw,
                         const polyfly::ThrustCurve& curve, mavros_msgs::AttitudeTarget& message) {
   using mavros_msgs::AttitudeTarget;
-  const Eigen::Quaterniond attitude = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                      Eigen::AngleAxisd(command.pitch, Eigen::Vector3d::UnitY()) *
-                                      Eigen::AngleAxisd(command.roll, Eigen::Vector3d::UnitX());
+  const Eigen::Quaterniond attitude = polyfly::attitudeOf({command.roll, command.pitch, yaw});
   message.type_mask = AttitudeTarget::IGNORE_ROLL_RATE | AttitudeTarget::IGNORE_PITCH_RATE;
   message.orientation.w = attitude.w();
   message.orientation.x = attitude.x();

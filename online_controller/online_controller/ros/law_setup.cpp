@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 
 namespace polyfly_ros {
 namespace {
 
-constexpr std::array<const char*, 3> kAxes{"longitudinal", "lateral", "vertical"};
 // Sampling time of linear problems that are made from the model [s].
 constexpr double kSamplingTime = 0.1;
 constexpr int kHorizon = 20;
@@ -18,7 +18,8 @@ void requireAxes(ParameterReader& reader, const std::string& group, const char* 
   const bool any =
       std::any_of(paths.begin(), paths.end(), [](const std::string& path) { return !path.empty(); });
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    if ((required || any) && paths[i].empty()) reader.requiredText(group + "/" + kAxes[i], what);
+    if ((required || any) && paths[i].empty())
+      reader.requiredText(group + "/" + polyfly::kAxisNames.at(i).axis, what);
   }
 }
 
@@ -59,7 +60,7 @@ std::shared_ptr<const LawSources> LawSources::load(const polyfly::MultirotorPara
   sources->maps = polyfly::openMaps(polyfly::lawTypes(), parameters.maps, parameters.controller);
   sources->problems = polyfly::linearProblems(parameters.nonlinear.model, kSamplingTime, kHorizon);
   const polyfly::MapSet& mapped = sources->explicitMaps();
-  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+  for (std::size_t i = 0; i < sources->problems.size(); ++i) {
     if (!parameters.problems[i].empty()) {
       sources->problems[i] = polyfly::loadProblem(parameters.problems[i]);
     } else if (!mapped.empty() && !mapped.problems[i].minimum_peak) {

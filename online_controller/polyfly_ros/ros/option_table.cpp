@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 namespace polyfly_ros {
@@ -45,9 +46,11 @@ bool OptionTable::set(const Option& option, double value) {
   const double before = get(option);
   if (std::isnan(value)) return false;
   const double clamped = std::clamp(value, option.range.least, option.range.greatest);
-  if (auto* const* number = std::get_if<double*>(&option.field)) **number = clamped;
-  if (auto* const* whole = std::get_if<int*>(&option.field)) **whole = static_cast<int>(std::lround(clamped));
-  if (auto* const* flag = std::get_if<bool*>(&option.field)) **flag = clamped != 0.0;
+  const auto assign = [&](auto* field) {
+    using Value = std::decay_t<decltype(*field)>;
+    *field = static_cast<Value>(std::is_same_v<Value, int> ? std::round(clamped) : clamped);
+  };
+  std::visit(assign, option.field);
   return get(option) != before;
 }
 

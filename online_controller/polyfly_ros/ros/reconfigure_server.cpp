@@ -1,8 +1,10 @@
 #include "polyfly_ros/reconfigure_server.hpp"
 
+#include <dynamic_reconfigure/config_tools.h>
 #include <ros/console.h>
 
 #include <cmath>
+#include <type_traits>
 
 #include "polyfly_base/error.hpp"
 
@@ -10,7 +12,9 @@ namespace polyfly_ros {
 namespace {
 
 using dynamic_reconfigure::Config;
+using dynamic_reconfigure::ConfigTools;
 using dynamic_reconfigure::Group;
+using dynamic_reconfigure::GroupState;
 using dynamic_reconfigure::ParamDescription;
 using Option = OptionTable::Option;
 
@@ -108,10 +112,7 @@ void ReconfigureServer::change(const Option& option, double value) {
 void ReconfigureServer::writeParameters() {
   for (const std::string& name : changed_) {
     const Option* option = table_.find(name);
-    if (auto* const* number = std::get_if<double*>(&option->field))
-      handle_.setParam(option->parameter, **number);
-    if (auto* const* whole = std::get_if<int*>(&option->field)) handle_.setParam(option->parameter, **whole);
-    if (auto* const* flag = std::get_if<bool*>(&option->field)) handle_.setParam(option->parameter, **flag);
+    std::visit([&](const auto* field) { handle_.setParam(option->parameter, *field); }, option->field);
   }
   changed_.clear();
 }
@@ -121,19 +122,10 @@ Config ReconfigureServer::current() const { return config(OptionTable::get); }
 Config ReconfigureServer::config(const std::function<double(const Option&)>& value) const {
   Config all;
   const auto add = [&](const Option& option, const std::string& name, double shown) {
-    if (std::holds_alternative<double*>(option.field)) {
-      all.doubles.emplace_back();
-      all.doubles.back().name = name;
-      all.doubles.back().value = shown;
-    } else if (std::holds_alternative<int*>(option.field)) {
-      all.ints.emplace_back();
-      all.ints.back().name = name;
-      all.ints.back().value = static_cast<int>(shown);
-    } else {
-      all.bools.emplace_back();
-      all.bools.back().name = name;
-      all.bools.back().value = static_cast<unsigned char>(shown != 0.0);
-    }
+    const auto append = [&](const auto* field) {
+      ConfigTools::appendParameter(all, name, static_cast<std::decay_t<decltype(*field)>>(shown));
+    };
+    std::visit(append, option.field);
   };
   for (const Option& option : table_.options()) add(option, option.name, value(option));
   for (const OptionTable::Alias& alias : table_.aliases()) {
@@ -141,16 +133,11 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
     add(option, alias.name, alias.links.front().name.toTheirs(value(option)));
   }
   int id = 0;
-  const auto add_group = [&](const std::string& name) {
-    all.groups.emplace_back();
-    all.groups.back().name = name;
-    all.groups.back().state = 1;
-    all.groups.back().id = id++;
-    all.groups.back().parent = 0;
-  };
-  add_group("Default");
-  for (const std::string& name : table_.groups()) add_group(name);
-  if (!table_.aliases().empty()) add_group(kAliasGroup);
+  GroupState shown;
+  shown.state = 1;
+  ConfigTools::appendGroup(all, "Default", id++, 0, shown);
+  for (const std::string& name : table_.groups()) ConfigTools::appendGroup(all, name, id++, 0, shown);
+  if (!table_.aliases().empty()) ConfigTools::appendGroup(all, kAliasGroup, id++, 0, shown);
   return all;
 }
 

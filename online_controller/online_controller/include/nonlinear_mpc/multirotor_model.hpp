@@ -37,14 +37,6 @@ struct StageStep {
   Eigen::Matrix<double, kMultirotorStates, kMultirotorInputs, Eigen::RowMajor> B;  ///< df/du
 };
 
-/// Third column of R(psi, theta, phi) of Eq. 37, the body's z axis in W, and its derivatives.
-struct BodyAxis {
-  Eigen::Vector3d z;
-  Eigen::Vector3d by_roll;
-  Eigen::Vector3d by_pitch;
-};
-BodyAxis bodyAxis(double roll, double pitch, double sin_yaw, double cos_yaw) noexcept;
-
 /// Integrates Eq. 37 over `period` seconds with the input held. Drag acts along the axes of the body,
 /// -R A R' v. The attitude is integrated exactly, velocity and position by one step of the classical
 /// Runge-Kutta method; the derivatives are those of these formulas.

@@ -73,14 +73,6 @@ struct Acceleration {
 
 }  // namespace
 
-BodyAxis bodyAxis(double roll, double pitch, double sin_yaw, double cos_yaw) noexcept {
-  const double sr = std::sin(roll), cr = std::cos(roll);
-  const double sp = std::sin(pitch), cp = std::cos(pitch);
-  return {{cos_yaw * sp * cr + sin_yaw * sr, sin_yaw * sp * cr - cos_yaw * sr, cp * cr},
-          {-cos_yaw * sp * sr + sin_yaw * cr, -sin_yaw * sp * sr - cos_yaw * cr, -cp * sr},
-          {cos_yaw * cp * cr, sin_yaw * cp * cr, -sp * cr}};
-}
-
 void integrateStage(const MultirotorModel& model, double period, const StageConditions& stage,
                     const MultirotorState& x, const MultirotorInput& u, StageStep& step) noexcept {
   const double h = period;

@@ -55,9 +55,9 @@ class VehicleObserver {
 
   /// From the next sample on, for calibration_duration.
   void calibrate() noexcept;
-  bool isCalibrating() const noexcept { return calibrating_; }
+  bool isCalibrating() const noexcept { return calibration_.runs; }
   /// Number of finished calibrations.
-  unsigned calibrations() const noexcept { return calibrations_; }
+  unsigned calibrations() const noexcept { return calibration_.finished; }
 
   const VehicleEstimate& estimate() const noexcept { return estimate_; }
 
@@ -73,12 +73,16 @@ class VehicleObserver {
   VehicleEstimate estimate_;
   SampleLine line_;
 
-  bool calibrating_ = false;
-  unsigned calibrations_ = 0;
-  double calibration_start_ = 0.0;  // [s]
-  int calibration_samples_ = 0;
-  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d moment_sum_ = Eigen::Vector3d::Zero();
+  struct Calibration {
+    bool runs = false;
+    unsigned finished = 0;
+    double start = 0.0;  // [s]
+    int samples = 0;
+    Eigen::Vector3d force_sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d moment_sum = Eigen::Vector3d::Zero();
+  };
+
+  Calibration calibration_;
 };
 
 }  // namespace polyfly

@@ -140,7 +140,7 @@ class Axis {
   void transferState(const Axis& other) noexcept;
 
   /// Of the last evaluate(), see ControlLaw::kktResidual.
-  double kktResidual() const noexcept { return answering(answered_beyond_).kktResidual(); }
+  double kktResidual() const noexcept { return law_->kktResidual(); }
 
   /// The axis in error coordinates, one stage after the other. It is open loop along the plan of an online law, and
   /// closed loop through the map of an explicit one.
@@ -150,8 +150,8 @@ class Axis {
     AxisValues values;
     /// Input u over the stage [rad or m/s^2].
     double input = 0.0;
-    /// True when the stage begins outside the map.
-    bool beyond = false;
+    /// True where an online law planned the input.
+    bool planned = false;
   };
   Prediction beginPrediction(const AxisReport& report) const noexcept;
   void advance(Prediction& at) const noexcept;
@@ -246,7 +246,6 @@ class Axis {
   void prepareLookAhead(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
   bool isLag(const MpcProblem& problem) const noexcept;
-  const AxisLaw& answering(bool beyond) const noexcept { return beyond ? *beyond_ : *law_; }
   Parameters parametersAt(const AxisValues& values) const noexcept;
   Parameters clipped(const Parameters& theta) const noexcept;
   int firstOutside(const Parameters& theta) const noexcept;
@@ -255,10 +254,6 @@ class Axis {
   Lookup answerShrunk(const AxisReport& report, double& input) noexcept;
 
   std::unique_ptr<AxisLaw> law_;
-  // Law for points where law_, a map, has no answer; nullptr: none.
-  std::unique_ptr<AxisLaw> beyond_;
-  // True when beyond_ gave the answer of the last evaluate().
-  bool answered_beyond_ = false;
   std::array<AxisEntry, kMaxParameters> entries_{};
   Parameters lower_{};
   Parameters upper_{};

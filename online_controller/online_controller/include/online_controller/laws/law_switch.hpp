@@ -37,7 +37,6 @@ class LawSwitch {
     return place < laws_.size() && laws_[place] != nullptr;
   }
   Law active() const noexcept { return active_; }
-  const ControlLaw& activeLaw() const noexcept { return current(); }
 
   /// From the next step on. False, and nothing changes, when there is no such law.
   bool select(Law law) noexcept;

@@ -29,6 +29,9 @@ struct TiltModel {
 /// `attitude` rotates body to world and has unit length.
 EulerAngles eulerAngles(const Eigen::Quaterniond& attitude) noexcept;
 
+/// The inverse of eulerAngles.
+Eigen::Quaterniond attitudeOf(const EulerAngles& angles) noexcept;
+
 /// The same angle in [-pi, pi).
 double wrapAngle(double angle) noexcept;
 

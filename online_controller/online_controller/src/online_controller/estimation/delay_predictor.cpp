@@ -40,12 +40,6 @@ TiltModel loopsOf(const MultirotorModel& model) {
   return {model.roll_gain, model.roll_time, model.pitch_gain, model.pitch_time};
 }
 
-Eigen::Quaterniond attitudeOf(double roll, double pitch, double yaw) noexcept {
-  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
-}
-
 /// The inverse of eulerRates.
 Eigen::Vector3d bodyRates(const EulerAngles& angles, const EulerAngles& rates) noexcept {
   const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
@@ -176,7 +170,7 @@ VehicleState DelayPredictor::ahead(const VehicleState& measured) noexcept {
   VehicleState result = measured;
   result.position = motion.x.head<3>();
   result.velocity = motion.x.segment<3>(3);
-  result.attitude = attitudeOf(motion.x(6), motion.x(7), motion.yaw);
+  result.attitude = attitudeOf({motion.x(6), motion.x(7), motion.yaw});
   if (model_.roll.stiffness > 0.0 || model_.pitch.stiffness > 0.0) {
     result.angular_velocity =
         bodyRates({motion.x(6), motion.x(7), motion.yaw}, {motion.rate.roll, motion.rate.pitch, rates.yaw});

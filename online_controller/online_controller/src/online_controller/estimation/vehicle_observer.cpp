@@ -55,12 +55,7 @@ void VehicleObserver::transferState(const VehicleObserver& other) noexcept {
   for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i].transferState(other.angles_[i]);
   estimate_ = other.estimate_;
   line_.transferState(other.line_);
-  calibrating_ = other.calibrating_;
-  calibrations_ = other.calibrations_;
-  calibration_start_ = other.calibration_start_;
-  calibration_samples_ = other.calibration_samples_;
-  force_sum_ = other.force_sum_;
-  moment_sum_ = other.moment_sum_;
+  calibration_ = other.calibration_;
 }
 
 void VehicleObserver::restart() noexcept { line_.restart(); }
@@ -73,14 +68,14 @@ void VehicleObserver::reset() noexcept {
 void VehicleObserver::forget() noexcept {
   force_.reset();
   for (DisturbanceObserver& angle : angles_) angle.reset();
-  calibrating_ = false;
+  calibration_.runs = false;
 }
 
 void VehicleObserver::calibrate() noexcept {
-  calibrating_ = true;
-  calibration_samples_ = 0;
-  force_sum_.setZero();
-  moment_sum_.setZero();
+  const unsigned finished = calibration_.finished;
+  calibration_ = {};
+  calibration_.runs = true;
+  calibration_.finished = finished;
 }
 
 void VehicleObserver::update(const VehicleState& state, const AttitudeCommand& held) noexcept {
@@ -100,7 +95,7 @@ void VehicleObserver::update(const VehicleState& state, const AttitudeCommand& h
     estimate_.angular_velocity(axis) = angles_[i].state()[1];
     moment(axis) = angles_[i].disturbance();
   }
-  if (calibrating_) advanceCalibration(state.stamp, force_.disturbance(), moment);
+  if (calibration_.runs) advanceCalibration(state.stamp, force_.disturbance(), moment);
   estimate_.force = force_.disturbance() - estimate_.force_offset;
   estimate_.moment = moment - estimate_.moment_offset;
 }
@@ -122,15 +117,15 @@ void VehicleObserver::updateMoments(const VehicleState& state, const AttitudeCom
 
 void VehicleObserver::advanceCalibration(double stamp, const Eigen::Vector3d& force,
                                          const Eigen::Vector3d& moment) noexcept {
-  if (calibration_samples_ == 0) calibration_start_ = stamp;
-  force_sum_ += force;
-  moment_sum_ += moment;
-  ++calibration_samples_;
-  if (stamp - calibration_start_ < duration_) return;
-  estimate_.force_offset = force_sum_ / calibration_samples_;
-  estimate_.moment_offset = moment_sum_ / calibration_samples_;
-  calibrating_ = false;
-  ++calibrations_;
+  if (calibration_.samples == 0) calibration_.start = stamp;
+  calibration_.force_sum += force;
+  calibration_.moment_sum += moment;
+  ++calibration_.samples;
+  if (stamp - calibration_.start < duration_) return;
+  estimate_.force_offset = calibration_.force_sum / calibration_.samples;
+  estimate_.moment_offset = calibration_.moment_sum / calibration_.samples;
+  calibration_.runs = false;
+  ++calibration_.finished;
 }
 
 }  // namespace polyfly

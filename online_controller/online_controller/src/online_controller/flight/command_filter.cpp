@@ -39,10 +39,7 @@ Eigen::Vector3d accelerationOf(const Eigen::Quaterniond& attitude, double thrust
 
 /// Acceleration in the world at this yaw [m/s^2].
 Eigen::Vector3d accelerationOf(const AttitudeCommand& command, double yaw, const MultirotorOptions& options) {
-  const Eigen::Quaterniond attitude = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-                                      Eigen::AngleAxisd(command.pitch, Eigen::Vector3d::UnitY()) *
-                                      Eigen::AngleAxisd(command.roll, Eigen::Vector3d::UnitX());
-  return accelerationOf(attitude, command.thrust, options);
+  return accelerationOf(attitudeOf({command.roll, command.pitch, yaw}), command.thrust, options);
 }
 
 }  // namespace

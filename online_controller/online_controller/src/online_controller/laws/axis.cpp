@@ -38,8 +38,6 @@ void Axis::reset() noexcept {
   if (drag_) drag_->reset();
   constant_part_ = 0.0;
   law_->reset();
-  if (beyond_ != nullptr) beyond_->reset();
-  answered_beyond_ = false;
 }
 
 void Axis::transferState(const Axis& other) noexcept {
@@ -164,17 +162,15 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
 }
 
 ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
-  answered_beyond_ = false;
   Lookup lookup = law_->evaluate(report.theta.data(), &input);
   report.lookup = lookup.status;
   report.iterations = law_->iterations();
   ControlStatus status = ControlStatus::kOptimal;
   if (lookup.status == LookupStatus::kOutsideBox) report.outside_parameter = firstOutside(report.theta);
-  if (beyond_ != nullptr &&
+  if (law_->solvesOutside() &&
       (lookup.status == LookupStatus::kOutsideBox || lookup.status == LookupStatus::kOutsidePartition)) {
-    lookup = beyond_->evaluate(report.theta.data(), &input);
-    report.iterations = beyond_->iterations();
-    answered_beyond_ = lookup.status == LookupStatus::kInside;
+    lookup = law_->solve(report.theta.data(), &input);
+    report.iterations = law_->iterations();
   } else if (lookup.status == LookupStatus::kOutsideBox) {
     lookup = law_->evaluate(clipped(report.theta).data(), &input);
     status = ControlStatus::kClipped;
@@ -184,7 +180,7 @@ ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
     status = ControlStatus::kLeastViolation;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
-  if (!answered_beyond_) report.region = lookup.region;
+  report.region = lookup.region;
   return status;
 }
 

@@ -105,7 +105,7 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
   if (has_lag_ && offset_free_ && options.adapt_model)
     drag_.emplace(law_->problem(), observerOptions(law_->problem(), names, options), velocity_state_,
                   kDragDeviation / std::abs(disturbance_gain_));
-  if (options.solve_outside) beyond_ = law_->onlineEquivalent();
+  if (options.solve_outside) law_->solveOutside();
   if (options.look_ahead) prepareLookAhead(names);
 }
 

@@ -5,19 +5,17 @@
 #include "online_controller/laws/axis.hpp"
 #include "polyfly_base/error.hpp"
 
-// The laws, each defined in a file of its own. A new law is a line here.
-#define POLYFLY_LAWS(law) law(explicitLinearType) law(linearType) law(nonlinearType) law(robustExplicitType)
-
 namespace polyfly {
 
-#define POLYFLY_DECLARE(type) LawType type();
-POLYFLY_LAWS(POLYFLY_DECLARE)
-#undef POLYFLY_DECLARE
+// Each law is defined in a file of its own. A new one is declared and listed here.
+LawType explicitLinearType();
+LawType linearType();
+LawType nonlinearType();
+LawType robustExplicitType();
 
 const std::vector<LawType>& lawTypes() {
-#define POLYFLY_ENTRY(type) type(),
-  static const std::vector<LawType> kTypes{POLYFLY_LAWS(POLYFLY_ENTRY)};
-#undef POLYFLY_ENTRY
+  static const std::vector<LawType> kTypes{explicitLinearType(), linearType(), nonlinearType(),
+                                           robustExplicitType()};
   return kTypes;
 }
 

@@ -37,7 +37,7 @@ Axis::Prediction Axis::beginPrediction(const AxisReport& report) const noexcept 
   for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(report.size, size_)); ++i)
     prediction.values[entries_[i]] = report.theta[i];
   prediction.input = report.input;
-  prediction.beyond = answered_beyond_;
+  prediction.planned = law_->isSolved();
   return prediction;
 }
 
@@ -66,7 +66,7 @@ void Axis::advance(Prediction& at) const noexcept {
 
 double Axis::nextInput(const Prediction& at) const noexcept {
   double input = at.input;
-  if (answering(at.beyond).planned(at.stage, at.values[AxisEntry::kInputReference], &input)) return input;
+  if (at.planned && law_->planned(at.stage, at.values[AxisEntry::kInputReference], &input)) return input;
   law_->lookUp(clipped(parametersAt(at.values)).data(), &input);
   return input;
 }

@@ -22,6 +22,12 @@ EulerAngles eulerAngles(const Eigen::Quaterniond& attitude) noexcept {
   return angles;
 }
 
+Eigen::Quaterniond attitudeOf(const EulerAngles& angles) noexcept {
+  return Eigen::AngleAxisd(angles.yaw, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(angles.pitch, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(angles.roll, Eigen::Vector3d::UnitX());
+}
+
 double wrapAngle(double angle) noexcept {
   if (angle >= -kPi && angle < kPi) return angle;
   const double wrapped = angle - 2.0 * kPi * std::floor((angle + kPi) / (2.0 * kPi));
