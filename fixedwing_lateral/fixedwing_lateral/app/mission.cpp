@@ -71,16 +71,10 @@ void printPoints(const Mission& mission, double step) {
 int main(int argc, char** argv) {
   CLI::App app("Checks a mission of the fixed wing and shows its segments.", "mission");
   std::string path;
-  LoiterOptions loiter;
   double step = 0.0;
-  TurnPlan plan;
-  TurnConditions& conditions = plan.conditions;
+  TurnConditions conditions;
   double roll = kDegree * conditions.roll;
-  std::string tight = "keep";
   app.add_option("file", path, "Mission file, see fixedwing_lateral/README.md.")->required();
-  app.add_option("--loiter-radius", loiter.radius,
-                 "Radius of the circle at the end, if the file has none [m].")
-      ->check(numberAbove(0.0));
   app.add_option("--points", step, "Print the path as CSV instead, with points this far apart [m].")
       ->check(numberAbove(0.0));
   app.add_option("--airspeed", conditions.airspeed, "Airspeed for the computation of the roll [m/s].")
@@ -88,24 +82,14 @@ int main(int argc, char** argv) {
   app.add_option("--wind", conditions.wind_speed, "Wind speed, from the worst direction [m/s].")
       ->check(numberFrom(0.0));
   app.add_option("--roll", roll, "Greatest roll in turns [deg].")->check(numberAbove(0.0));
-  app.add_option("--turn-gain", conditions.turn_gain,
-                 "Gain of the turn rate by roll, as the status of a flight has it.")
-      ->check(numberAbove(0.0));
-  double roll_rate = 0.0;
-  app.add_option("--roll-rate", roll_rate, "Greatest roll rate of the autopilot; 0: no bound [deg/s].")
-      ->check(numberFrom(0.0));
-  app.add_option("--deviation", conditions.deviation,
-                 "Greatest deviation from the path where a turn follows another one; 0: no bound [m].")
-      ->check(numberFrom(0.0));
-  app.add_option("--tight", tight,
-                 "Tighter turns: keep them, refuse the mission, or widen Dubins paths and loiters.")
-      ->check(oneOf(std::vector<std::string>{"keep", "refuse", "widen"}));
+  addRemoved(app, {"--loiter-radius"},
+             "was removed; write 'loiter: {radius: ..., direction: ...}' into the file");
+  addRemoved(app, {"--tight", "--turn-gain", "--roll-rate", "--deviation"},
+             "was removed; write 'turns: {airspeed: ..., wind: ..., roll: ..., tight: ...}' into the file");
   return runTool(app, argc, argv, [&] {
     conditions.roll = roll / kDegree;
-    conditions.roll_rate = roll_rate / kDegree;
     checkTurns(conditions, "conditions");
-    plan.tight = tightTurnsOf(tight, "--tight");
-    const Mission mission = loadMission(path, loiter, plan);
+    const Mission mission = loadMission(path, LoiterOptions{});
     if (step > 0.0)
       printPoints(mission, step);
     else

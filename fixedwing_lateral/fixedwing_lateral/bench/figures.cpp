@@ -80,8 +80,8 @@ struct Case {
   std::string plant;  // model, rough or six_dof; the last two in gusts
 };
 
-// The laws in the order of the tables: as shipped, e_t weighed as published, the usual guidance.
-const std::vector<std::string> kLaws = {"mpc", "track_0.01", "l1"};
+// The laws in the order of the tables: as shipped, and the usual guidance.
+const std::vector<std::string> kLaws = {"mpc", "l1"};
 
 std::unique_ptr<Aircraft> aircraftOf(const Case& chosen) {
   const Vector2d wind = chosen.windy ? kWind : Vector2d(0.0, 0.0);
@@ -119,9 +119,7 @@ std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const 
         *aircraft, sensors, [&](const GuidanceInput& input) { return guidance.update(input); }, kPeriod,
         kDuration);
   }
-  GuidanceOptions options;
-  if (law == "track_0.01") options.weights.track = LateralWeights{}.track;
-  LateralGuidance guidance(options, "experiment");
+  LateralGuidance guidance(GuidanceOptions{}, "experiment");
   guidance.setMission(mission);
   return flyLaw(*aircraft, sensors, lawOf(guidance), kPeriod, kDuration);
 }
@@ -146,7 +144,6 @@ class Report {
       for (const FlightSample& sample : samples)
         reference = std::max(reference, std::abs(sample.roll_reference));
       addMetrics(flight, flightMetrics(mission.segments, samples, kSettle, kWindow), reference);
-      if (law == "mpc") addConvergence(name, segmentMetrics(mission.segments, samples, kSettle, kWindow));
     }
   }
 
@@ -196,10 +193,6 @@ class Report {
            "planned for "
            "calm: in this wind its arcs of 45 m and its loiter of 60 m ask for more roll than is "
            "allowed.</p>\n"
-           "<h2>Convergence, segment by segment</h2>\n<table><tr><th>flight</th>"
-           "<th>segment</th><th>time [s]</th><th>below 1 m after [s]</th>"
-           "<th>once converged [m]</th><th>overshoot [m]</th></tr>\n"
-        << segments_.str() << "</table>\n"
         << "<h2>What each addition brings</h2>\n"
         << additions_;
     write("tables.html", tables.str());
@@ -240,22 +233,10 @@ class Report {
     flights_ << row;
   }
 
-  void addConvergence(const std::string& name, const std::vector<SegmentMetrics>& all) {
-    for (const SegmentMetrics& one : all) {
-      char row[300];
-      char converged[40] = "&ndash;";
-      if (one.has_converged) std::snprintf(converged, sizeof converged, "%.2f", one.converged);
-      std::snprintf(row, sizeof row,
-                    "<tr><td>%s</td><td>%d</td><td>%.1f</td><td>%.1f</td><td>%s</td><td>%.2f</td></tr>\n",
-                    name.c_str(), one.segment, one.duration, one.convergence, converged, one.overshoot);
-      segments_ << row;
-    }
-  }
-
   std::string folder_;
   std::vector<std::string> taken_;  // read already, or written
   nlohmann::json summary_;
-  std::ostringstream flights_, segments_;
+  std::ostringstream flights_;
   std::string additions_;
 };
 

@@ -91,8 +91,6 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
   shown_.reason = polyfly::GuidanceReason::kNone;
   diagnostics_.setHardwareID("none");
   diagnostics_.add("lateral guidance", this, &LateralNode::diagnose);
-  const std::string widening = describeWidening(polyfly::turnPlanOf(setup_, guidance_.output()));
-  if (!widening.empty()) ROS_WARN("lateral guidance: %s", widening.c_str());
   ros::NodeHandle topics = onQueue(handle, queue_);
   connect(topics);
 }

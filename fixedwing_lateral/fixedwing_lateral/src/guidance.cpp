@@ -55,14 +55,14 @@ LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::stri
 
 void LateralGuidance::setMission(Mission mission) {
   track_ = MissionTrack(std::move(mission), options_.criterion);
-  beginSegment(Reversal::kNone);
+  beginSegment();
   trustOptimisation();
   needs_restart_ = true;
 }
 
-void LateralGuidance::beginSegment(Reversal reversal) noexcept {
+void LateralGuidance::beginSegment() noexcept {
   convergence_.restart();
-  reversal_.begin(reversal);
+  reversal_.begin();
 }
 
 void LateralGuidance::clearMission() { track_ = MissionTrack(); }
@@ -88,19 +88,12 @@ void LateralGuidance::trustOptimisation() noexcept {
   probation_ = 1.0;
 }
 
-void LateralGuidance::shapeCorner(const AircraftState& state) noexcept {
+void LateralGuidance::shapeCorner() noexcept {
   track_.setNearScale(scaling_.scale * scaling_.scale);
   if (track_.empty()) return;
-  const double roll = options_.limits.roll_reference;
-  const CornerConditions corner{air_.airspeed(), air_.wind(), roll, nmpc_.horizon() * nmpc_.stepDuration()};
-  // The first shape decides whether the corner is bisected, and with that the direction in which it is flown.
-  for (int i = 0; i < 2; ++i)
-    track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
-  junction_ = Junction{};
-  if (!options_.chooses_side || track_.gate().isBisected()) return;
-  const PathPoint place{state.position, state.ground_velocity.normalized()};
-  const SteadyTurn turn{air_.airspeed(), kGravity * std::tan(roll), air_.wind(), place};
-  junction_ = junctionOf(track_.current(), track_.next(), turn, options_.criterion.acceptance_radius);
+  const CornerConditions corner{air_.airspeed(), air_.wind(), options_.limits.roll_reference,
+                                nmpc_.horizon() * nmpc_.stepDuration()};
+  track_.shapeCorner(cornerShapeOf(track_.gate(), corner, options_.weights.airspeed, options_.model));
 }
 
 void LateralGuidance::setWeights() noexcept {
@@ -124,11 +117,11 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   const double elapsed = std::max(0.0, input.time - last_time_);
   last_time_ = input.time;
   learn(input);
-  shapeCorner(state);
+  shapeCorner();
   if (track_.advance(state.position, state.ground_velocity, falls_back_)) {
     nmpc_.clearSwitch();
-    beginSegment(junction_.reversal);
-    shapeCorner(state);
+    beginSegment();
+    shapeCorner();
     prepared_ = false;
   }
   output_.segment = track_.index();
@@ -294,10 +287,10 @@ void LateralGuidance::fillData() noexcept {
   data_.conditions = presentConditions();
   data_.conditions.gate = track_.gate();
   data_.current = track_.current();
-  data_.next = junction_.is_shown ? track_.next() : track_.current();
+  data_.next = track_.shownNext();
   data_.reversal = reversal_.chosen();
   if (scaling_.scale > 1.0) setWeights();
-  data_.next_reversal = track_.isLoitering() || !junction_.is_shown ? data_.reversal : Reversal::kNone;
+  data_.next_reversal = &track_.shownNext() == &track_.current() ? data_.reversal : Reversal::kNone;
 }
 
 void LateralGuidance::restart(const LateralState& state) noexcept {

@@ -4,34 +4,8 @@
 #include <cmath>
 
 namespace polyfly {
-namespace {
 
-constexpr int kStates = 5;
-constexpr int kRoll = 3;
-
-using State = Eigen::Matrix<double, kStates, 1>;
-using Condensing = StageCondensing<kStates, 1>;
-
-void setModel(const HorizonStage& s, const RollTransition& roll, Condensing::Stage& stage) noexcept {
-  stage.A << 1.0, 0.0, s.n_psi, s.n_phi, s.n_p,  //
-      0.0, 1.0, s.e_psi, s.e_phi, s.e_p,         //
-      0.0, 0.0, 1.0, s.psi_phi, s.psi_p,         //
-      0.0, 0.0, 0.0, roll.phi_phi, roll.phi_p,   //
-      0.0, 0.0, 0.0, roll.p_phi, roll.p_p;
-  stage.B << s.n_u, s.e_u, s.psi_u, roll.phi_u, roll.p_u;
-}
-
-Condensing::StateMatrix weightOf(const HorizonStage& s) noexcept {
-  Condensing::StateMatrix Q;
-  Q << s.Q_nn, s.Q_ne, s.Q_npsi, 0.0, 0.0,       //
-      s.Q_ne, s.Q_ee, s.Q_epsi, 0.0, 0.0,        //
-      s.Q_npsi, s.Q_epsi, s.Q_psipsi, 0.0, 0.0,  //
-      0.0, 0.0, 0.0, s.Q_phi, 0.0,               //
-      0.0, 0.0, 0.0, 0.0, s.Q_p;
-  return Q;
-}
-
-}  // namespace
+using State = HorizonStage::State;
 
 HorizonQp::HorizonQp(int horizon)
     : N_(horizon),
@@ -39,7 +13,7 @@ HorizonQp::HorizonQp(int horizon)
       bounds_(2 * horizon),
       condensing_(horizon),
       qp_(horizon, horizon),
-      x_(kStates * (horizon + 1)),
+      x_(horizon + 1),
       multiplier_(2 * horizon),
       rows_(static_cast<std::size_t>(horizon) * horizon),
       gradient_(horizon),
@@ -51,17 +25,17 @@ bool HorizonQp::prepare() noexcept {
   double sum = 0.0;
   for (int k = 0; k < N_; ++k) {
     const HorizonStage& s = stages_[k];
-    Condensing::Stage& stage = condensing_.stages()[k];
-    setModel(s, roll, stage);
-    stage.weight.topLeftCorner<kStates, kStates>() = weightOf(s);
-    stage.weight(kStates, kStates) = s.R;
-    sum += s.r;
-    for (int i = 0; i < kStates; ++i) sum += s.q[i] + s.gap[i];
+    auto& stage = condensing_.stages()[k];
+    stage.A = s.A;
+    stage.B = s.B;
+    stage.weight.topLeftCorner<5, 5>() = s.Q;
+    stage.weight(5, 5) = s.R;
+    sum += s.r + s.q.sum() + s.gap.sum();
   }
-  condensing_.terminalWeight() = weightOf(stages_[N_]);
+  condensing_.terminalWeight() = stages_[N_].Q;
   condensing_.condense();
   for (int k = 0; k < N_; ++k) {
-    const double* by_moves = condensing_.sensitivity(k + 1, kRoll);
+    const double* by_moves = condensing_.sensitivity(k + 1, HorizonStage::kRoll);
     for (int j = 0; j <= k; ++j) rows_[j * N_ + k] = by_moves[j];
     qp_.setPenalty(k, rho);
   }
@@ -75,7 +49,7 @@ QpStatus HorizonQp::solve(const double* x_0) noexcept {
   for (int k = 0; k < N_; ++k) {
     lower_[k] = bounds_[k].lower;
     upper_[k] = bounds_[k].upper;
-    const double roll_at_rest = x_[kStates * (k + 1) + kRoll];
+    const double roll_at_rest = x_[k + 1][HorizonStage::kRoll];
     lower_[N_ + k] = bounds_[N_ + k].lower - roll_at_rest;
     upper_[N_ + k] = bounds_[N_ + k].upper - roll_at_rest;
   }
@@ -98,28 +72,20 @@ int HorizonQp::activeCount() const noexcept {
 }
 
 void HorizonQp::rollOut(const double* x_0, const double* moves) noexcept {
-  std::copy_n(x_0, kStates, x_.data());
+  x_[0] = Eigen::Map<const State>(x_0);
   for (int k = 0; k < N_; ++k) {
-    const Condensing::Stage& stage = condensing_.stages()[k];
-    const Eigen::Map<const State> x(&x_[kStates * k]), gap(stages_[k].gap);
-    Eigen::Map<State> next(&x_[kStates * (k + 1)]);
-    next.noalias() = stage.A * x + gap;
-    if (moves != nullptr) next += stage.B * moves[k];
+    x_[k + 1].noalias() = stages_[k].A * x_[k] + stages_[k].gap;
+    if (moves != nullptr) x_[k + 1] += stages_[k].B * moves[k];
   }
 }
 
 // The cost's gradient by the moves, along the states without moves.
 void HorizonQp::linearTerms() noexcept {
-  State adjoint = State::Zero();
-  for (int k = N_; k >= 0; --k) {
-    const Eigen::Map<const State> x(&x_[kStates * k]), q(stages_[k].q);
-    if (k == N_) {
-      adjoint = condensing_.terminalWeight() * x + q;
-      continue;
-    }
-    const Condensing::Stage& stage = condensing_.stages()[k];
-    gradient_[k] = stages_[k].r + stage.B.dot(adjoint);
-    adjoint = (stage.A.transpose() * adjoint + stage.weight.topLeftCorner<kStates, kStates>() * x + q).eval();
+  State adjoint = stages_[N_].Q * x_[N_] + stages_[N_].q;
+  for (int k = N_ - 1; k >= 0; --k) {
+    const HorizonStage& s = stages_[k];
+    gradient_[k] = s.r + s.B.dot(adjoint);
+    adjoint = (s.A.transpose() * adjoint + s.Q * x_[k] + s.q).eval();
   }
 }
 

@@ -13,11 +13,15 @@ constexpr int kFreeMoves = 3;
 
 using Index = LateralIndex;
 
-constexpr int kStates = 5;
 constexpr double kTurn = 2.0 * kPi;
 // Where each state of the quadratic program is in a LateralState.
-constexpr int kOrder[kStates] = {Index::kNorth, Index::kEast, Index::kHeading, Index::kRoll,
-                                 Index::kRollRate};
+constexpr int kOrder[] = {Index::kNorth, Index::kEast, Index::kHeading, Index::kRoll, Index::kRollRate};
+
+HorizonStage::State stageState(const LateralState& state) noexcept {
+  HorizonStage::State ordered;
+  for (int i = 0; i < 5; ++i) ordered[i] = state[kOrder[i]];
+  return ordered;
+}
 
 }  // namespace
 
@@ -34,7 +38,6 @@ LateralNmpc::LateralNmpc(const LateralModel& model, const HorizonOptions& option
       switch_rise_(N_),
       roll_along_(N_ + 1),
       input_along_(N_ + 1) {
-  qp_.roll = shooting_.transition();
   setTuning(LateralWeights{}, LateralLimits{});
 }
 
@@ -89,7 +92,7 @@ void LateralNmpc::linearise(const HorizonData& data) noexcept {
   for (int k = 0; k < N_; ++k) {
     HorizonStage& stage = stages[k];
     const ShootingResult shot = shooting_.shoot(data.conditions, nodes_[k], moves_[k], stage);
-    for (int i = 0; i < kStates; ++i) stage.gap[i] = shot.end[i] - nodes_[k + 1][kOrder[i]];
+    stage.gap = shot.end - stageState(nodes_[k + 1]);
     switch_rise_[k] = shot.switch_rise;
     addRoll(k, tracking.linearise(nodes_[k], stage), data.conditions.roll_bias);
     const double deviation = moves_[k] - previous_[k];
@@ -109,7 +112,7 @@ void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noex
   roll_along_[k] = std::clamp(terms.roll_along, -limit, limit);
   input_along_[k] = std::clamp(holding, -limit, limit);
   const double roll = nodes_[k][Index::kRoll] - roll_along_[k];
-  qp_.stages()[k].q[3] = weights_.roll * roll;
+  qp_.stages()[k].q[HorizonStage::kRoll] = weights_.roll * roll;
   cost_ += terms.cost + weights_.roll * roll * roll;
 }
 
@@ -139,32 +142,23 @@ void LateralNmpc::setBounds() noexcept {
 // a move is at its bound, the part that pushes outwards does not count.
 double LateralNmpc::stationarity() noexcept {
   HorizonStage* stages = qp_.stages();
-  const RollTransition& roll = qp_.roll;
   const double* multipliers = qp_.multipliers();
   double largest = 0.0;
-  double y[kStates];
-  for (int i = 0; i < kStates; ++i) y[i] = stages[N_].q[i];
+  HorizonStage::State y = stages[N_].q;
   for (int k = N_ - 1; k >= 0; --k) {
     HorizonStage& s = stages[k];
     // Of position by heading the second derivatives are the first ones of the other axis.
-    const double bend = y[1] * s.n_psi - y[0] * s.e_psi;
-    s.Q_psipsi += weights_.curvature * std::max(bend, 0.0);
-    y[3] += multipliers[N_ + k];
-    double gradient =
-        s.r + s.n_u * y[0] + s.e_u * y[1] + s.psi_u * y[2] + roll.phi_u * y[3] + roll.p_u * y[4];
+    constexpr int kHeading = HorizonStage::kHeading;
+    const double bend = y[1] * s.A(0, kHeading) - y[0] * s.A(1, kHeading);
+    s.Q(kHeading, kHeading) += weights_.curvature * std::max(bend, 0.0);
+    y[HorizonStage::kRoll] += multipliers[N_ + k];
+    double gradient = s.r + s.B.dot(y);
     const Interval& bound = qp_.moveBounds()[k];
     if (bound.upper <= 0.0) gradient = std::max(gradient, 0.0);
     if (bound.lower >= 0.0) gradient = std::min(gradient, 0.0);
     largest = std::max(largest, std::abs(gradient));
-    const double bank =
-        s.n_phi * y[0] + s.e_phi * y[1] + s.psi_phi * y[2] + roll.phi_phi * y[3] + roll.p_phi * y[4];
-    const double rate = s.n_p * y[0] + s.e_p * y[1] + s.psi_p * y[2] + roll.phi_p * y[3] + roll.p_p * y[4];
-    y[2] += s.n_psi * y[0] + s.e_psi * y[1] + s.q[2];
-    y[0] += s.q[0];
-    y[1] += s.q[1];
-    y[3] = bank + s.q[3];
-    y[4] = rate + s.q[4];
-    for (const double gap : s.gap) largest = std::max(largest, std::abs(gap));
+    y = (s.A.transpose() * y + s.q).eval();
+    largest = std::max(largest, s.gap.cwiseAbs().maxCoeff());
   }
   return largest;
 }
@@ -176,10 +170,9 @@ NmpcReport LateralNmpc::feedback(const LateralState& state) noexcept {
   report.cost = cost_;
   if (!prepared_) return report;
   prepared_ = false;
-  double deviation[kStates];
-  for (int i = 0; i < kStates; ++i) deviation[i] = state[kOrder[i]] - nodes_[0][kOrder[i]];
-  deviation[2] = std::remainder(deviation[2], kTurn);
-  report.status = qp_.solve(deviation);
+  HorizonStage::State deviation = stageState(state) - stageState(nodes_[0]);
+  deviation[HorizonStage::kHeading] = std::remainder(deviation[HorizonStage::kHeading], kTurn);
+  report.status = qp_.solve(deviation.data());
   report.active_bounds = qp_.activeCount();
   if (!report.hasMoves()) return report;
   nodes_[0][Index::kSwitch] = state[Index::kSwitch];
@@ -189,9 +182,8 @@ NmpcReport LateralNmpc::feedback(const LateralState& state) noexcept {
 
 void LateralNmpc::takeStep() noexcept {
   const double* moves = qp_.moves();
-  const double* states = qp_.states();
   for (int k = 0; k <= N_; ++k) {
-    for (int i = 0; i < kStates; ++i) nodes_[k][kOrder[i]] += states[kStates * k + i];
+    for (int i = 0; i < 5; ++i) nodes_[k][kOrder[i]] += qp_.states()[k][i];
     if (k < N_) {
       moves_[k] = std::clamp(moves_[k] + moves[k], -limits_.roll_reference, limits_.roll_reference);
       nodes_[k + 1][Index::kSwitch] = nodes_[k][Index::kSwitch] + switch_rise_[k];

@@ -41,9 +41,9 @@ TurnPlan turnPlanOf(const LateralParameters& parameters, const GuidanceOutput& p
   plan.conditions.roll = kTurnShare * roll;
   plan.conditions.turn_gain = present.turn_gain;
   plan.conditions.turn_bias = std::abs(present.turn_bias);
-  plan.conditions.is_rate_presumed = !(guidance.model.roll_rate_max > 0.0);
-  plan.conditions.roll_rate = plan.conditions.is_rate_presumed ? presumedRollRate(guidance.airspeed_nominal)
-                                                               : guidance.model.roll_rate_max;
+  plan.conditions.roll_rate = guidance.model.roll_rate_max > 0.0
+                                  ? guidance.model.roll_rate_max
+                                  : presumedRollRate(guidance.airspeed_nominal);
   plan.conditions.roll_variance = rollVariance(guidance.model);
   plan.conditions.deviation = kTurnDeviation;
   return plan;

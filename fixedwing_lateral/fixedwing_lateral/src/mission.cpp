@@ -28,12 +28,7 @@ constexpr double kLeftShare = 1.25;
 // Number of times that an end is missed before the mission goes on.
 constexpr int kMissesMost = 2;
 
-/// How the next segment goes on where this one ends.
-struct Onward {
-  bool joins = false;  ///< it begins there
-  bool is_smooth = false;
-  Eigen::Vector2d direction;
-};
+}  // namespace
 
 Onward onwardOf(const PathSegment& segment, const PathSegment& next) {
   const PathPoint end = pointAt(segment, length(segment));
@@ -45,15 +40,6 @@ Onward onwardOf(const PathSegment& segment, const PathSegment& next) {
   onward.is_smooth = onward.joins && onward.direction.dot(end.tangent) > kSmoothCosine;
   return onward;
 }
-
-/// How far from the corner two lines reach; 0 where one of them is curved [m].
-double roomOf(const PathSegment& segment, const PathSegment& next) {
-  const bool are_lines =
-      std::holds_alternative<LineSegment>(segment) && std::holds_alternative<LineSegment>(next);
-  return are_lines ? std::min(length(segment), length(next)) : 0.0;
-}
-
-}  // namespace
 
 Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loiter,
                     const std::string& where) {
@@ -92,16 +78,17 @@ Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterO
 
 MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion)
     : mission_(std::move(mission)), near_radius_(kNearShare * criterion.acceptance_radius) {
-  gates_.reserve(mission_.segments.size());
-  for (std::size_t i = 0; i < mission_.segments.size(); ++i) {
-    double radius = criterion.acceptance_radius;
+  const std::vector<PathSegment>& segments = mission_.segments;
+  gates_.reserve(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
     Onward onward;
-    if (i + 1 < mission_.segments.size()) onward = onwardOf(mission_.segments[i], mission_.segments[i + 1]);
-    if (onward.is_smooth) radius = std::min(radius, criterion.smooth_radius);
-    gates_.emplace_back(mission_.segments[i], radius);
-    if (criterion.at_bisector && onward.joins && !onward.is_smooth) {
-      gates_.back().bisect(onward.direction, roomOf(mission_.segments[i], mission_.segments[i + 1]));
-    }
+    if (i + 1 < segments.size()) onward = onwardOf(segments[i], segments[i + 1]);
+    gates_.emplace_back(segments[i], onward.is_smooth
+                                         ? std::min(criterion.acceptance_radius, criterion.smooth_radius)
+                                         : criterion.acceptance_radius);
+    if (criterion.at_bisector && onward.joins && !onward.is_smooth) gates_.back().bisect(onward.direction);
+    is_next_shown_.push_back(!criterion.at_bisector ||
+                             (onward.joins && gates_.back().cornerAngle() < kSharp));
   }
 }
 

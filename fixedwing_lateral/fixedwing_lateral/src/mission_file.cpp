@@ -53,14 +53,16 @@ LoiterOptions readLoiter(const YamlField& field) {
 }
 
 TurnPlan readTurns(const YamlField& field) {
-  field.checkKeys({"airspeed", "wind"}, {"roll", "tight", "turn_gain", "roll_rate", "deviation"});
+  for (const char* removed : {"turn_gain", "roll_rate", "deviation"}) {
+    if (field.has(removed))
+      field.fail(std::string(removed) +
+                 " is removed: give a smaller roll, or let the node widen (path/tight_turns)");
+  }
+  field.checkKeys({"airspeed", "wind"}, {"roll", "tight"});
   TurnPlan plan;
   plan.conditions.airspeed = field.at("airspeed").number();
   plan.conditions.wind_speed = field.at("wind").number();
   if (field.has("roll")) plan.conditions.roll = field.at("roll").number();
-  if (field.has("turn_gain")) plan.conditions.turn_gain = field.at("turn_gain").number();
-  if (field.has("roll_rate")) plan.conditions.roll_rate = field.at("roll_rate").number();
-  if (field.has("deviation")) plan.conditions.deviation = field.at("deviation").number();
   const std::string tight = field.has("tight") ? field.at("tight").text() : "refuse";
   try {
     plan.tight = tightTurnsOf(tight, "tight");

@@ -56,14 +56,6 @@ ClosestPoint closest(const ArcSegment& arc, const Eigen::Vector2d& position) noe
           arc.radius * (arc.sweep - progress), foot == Foot::kOnSegment ? turn / arc.radius : 0.0};
 }
 
-ClosestPoint closest(const LoiterCircle& loiter, const Eigen::Vector2d& position) noexcept {
-  assert(loiter.radius > 0.0);
-  const Eigen::Vector2d out = position - loiter.centre;
-  const double bearing = out.norm() < kLeastCentreDistance ? 0.0 : bearingOf(out);
-  return {pointOnCircle(loiter.centre, loiter.radius, loiter.direction, bearing), Foot::kOnSegment,
-          std::numeric_limits<double>::infinity(), sign(loiter.direction) / loiter.radius};
-}
-
 ClosestPoint closest(const CurveSegment& segment, const Eigen::Vector2d& position) noexcept {
   return segment.curve->closest(position);
 }
@@ -100,6 +92,10 @@ ClosestPoint carrier(const LoiterCircle& loiter, const Eigen::Vector2d& position
 
 ClosestPoint carrier(const CurveSegment& segment, const Eigen::Vector2d& position) noexcept {
   return segment.curve->closest(position);
+}
+
+ClosestPoint closest(const LoiterCircle& loiter, const Eigen::Vector2d& position) noexcept {
+  return carrier(loiter, position);
 }
 
 void checkPoint(const Eigen::Vector2d& point, const std::string& field) {
@@ -160,13 +156,8 @@ ClosestPoint closestOnCarrier(const PathSegment& segment, const Eigen::Vector2d&
 
 TrackError trackError(const PathPoint& nearest, const Eigen::Vector2d& position,
                       const Eigen::Vector2d& ground_velocity) noexcept {
-  TrackError error;
-  const Eigen::Vector2d to_path = nearest.position - position;
-  error.track = to_path.x() * nearest.tangent.y() - to_path.y() * nearest.tangent.x();
-  error.course_defined = ground_velocity.norm() >= kLeastGroundSpeed;
-  if (error.course_defined)
-    error.course = wrapCourse(bearingOf(nearest.tangent) - bearingOf(ground_velocity));
-  return error;
+  TrackErrorJacobian unused;
+  return trackError({nearest}, position, ground_velocity, unused);
 }
 
 TrackError trackError(const ClosestPoint& nearest, const Eigen::Vector2d& position,

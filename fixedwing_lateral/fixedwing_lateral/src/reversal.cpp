@@ -23,27 +23,6 @@ double toTheRight(const Vector2d& direction, const Vector2d& vector) noexcept {
 
 Reversal sideOf(double right) noexcept { return right < 0.0 ? Reversal::kLeft : Reversal::kRight; }
 
-/// How far from the line through `onward` the turn ends [m].
-double endOfTurn(const PathPoint& onward, double course_error, Reversal side,
-                 const SteadyTurn& turn) noexcept {
-  const double angle = std::abs(courseError(course_error, side));
-  const double radius = turn.airspeed * turn.airspeed / turn.acceleration;
-  const double duration = angle * turn.airspeed / turn.acceleration;
-  const Vector2d& along = turn.start.tangent;
-  const Vector2d across = static_cast<double>(side) * Vector2d(-along.y(), along.x());
-  const Vector2d stop = turn.start.position + radius * std::sin(angle) * along +
-                        radius * (1.0 - std::cos(angle)) * across + duration * turn.wind;
-  return std::abs(toTheRight(onward.tangent, stop - onward.position));
-}
-
-Reversal sideOf(const PathPoint& onward, const SteadyTurn& turn) noexcept {
-  const double error = trackError(onward, turn.start.position, turn.start.tangent).course;
-  if (!(std::abs(error) > kBegins)) return Reversal::kNone;
-  const double right = endOfTurn(onward, error, Reversal::kRight, turn);
-  const double left = endOfTurn(onward, error, Reversal::kLeft, turn);
-  return left < right ? Reversal::kLeft : Reversal::kRight;
-}
-
 Reversal choose(double course_error, const Vector2d& direction, const Vector2d& to_path,
                 const Vector2d& wind) noexcept {
   if (!(std::abs(course_error) > kBegins)) return Reversal::kNone;
@@ -61,17 +40,6 @@ Reversal ReversalChoice::update(const TrackError& error, const Vector2d& to_path
     chosen_ = Reversal::kNone;
   if (chosen_ == Reversal::kNone) chosen_ = choose(error.course, ground_velocity.normalized(), to_path, wind);
   return chosen_;
-}
-
-Junction junctionOf(const PathSegment& segment, const PathSegment& next, const SteadyTurn& turn,
-                    double reach) noexcept {
-  if (std::holds_alternative<LoiterCircle>(segment)) return {};
-  const PathPoint end = pointAt(segment, length(segment));
-  const PathPoint onward = closestOnCarrier(next, end.position).point;
-  const Vector2d between = onward.position - end.position;
-  const TrackError error = trackError(onward, end.position, end.tangent);
-  if (!(std::abs(error.course) > kBegins)) return {Reversal::kNone, between.norm() <= reach};
-  return {sideOf(onward, turn), false};
 }
 
 }  // namespace polyfly

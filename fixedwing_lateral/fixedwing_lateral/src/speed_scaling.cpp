@@ -56,10 +56,6 @@ CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& condit
     const double here = std::max(1.0, fastest / scaled_airspeed);
     shape.published_scale = here * here;
   }
-  // The turn onto both segments of a sharp corner must begin within the radius.
-  if (gate.cornerAngle() >= kSharp)
-    shape.radius_scale =
-        std::max(shape.radius_scale, greatest * greatest / (acceleration * gate.acceptanceRadius()));
   const double unseen =
       speed * speed / acceleration * gate.cornerAngle() + speed * (model.a1 / model.a0 - conditions.horizon);
   shape.lead = kLeadShare * std::max(0.0, unseen);

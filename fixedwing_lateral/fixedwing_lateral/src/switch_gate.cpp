@@ -9,8 +9,6 @@ namespace {
 const double kLeastCourseCosine = std::cos(kCourseTolerance);
 // Greatest rest of the segment at a switch, in acceptance radii.
 constexpr double kLongestRest = kPi / 2.0;
-// A bisected corner stays so up to this radius, in shares of the room.
-constexpr double kMostRoom = 1.5;
 
 }  // namespace
 
@@ -23,24 +21,19 @@ SwitchGate::SwitchGate(const PathSegment& segment, double acceptance_radius)
 
 // The turn of radius R that touches both segments begins at the distance R tan(half) from the corner. It meets the bisector at
 // the distance R (1 / cos(half) - 1). An acceptance radius of at least R, divided by cos(half), contains both places.
-void SwitchGate::bisect(const Eigen::Vector2d& onward, double room) noexcept {
+void SwitchGate::bisect(const Eigen::Vector2d& onward) noexcept {
   if (!can_open_) return;
   is_corner_ = true;
-  room_ = room;
   corner_angle_ = std::acos(std::clamp(end_.tangent.dot(onward), -1.0, 1.0));
-  if (!(corner_angle_ < kSharpestBisected)) return;
+  if (!isBisected()) return;
   const double half = 0.5 * corner_angle_;
   between_ = (end_.tangent + onward).normalized();
   widening_ = 1.0 / std::cos(half);
   least_corner_cosine_ = std::cos(std::min(kPi, kCourseTolerance + half));
-  fits_ = radius() <= room_;
 }
 
 void SwitchGate::shapeCorner(const CornerShape& shape) noexcept {
-  if (!is_corner_) return;
-  shape_ = shape;
-  fits_ = radius() <= (is_shaped_ && fits_ ? kMostRoom : 1.0) * room_;
-  is_shaped_ = true;
+  if (is_corner_) shape_ = shape;
 }
 
 bool SwitchGate::isMet(const Eigen::Vector2d& position,

@@ -58,27 +58,17 @@ StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stag
   const TrackError error = trackError(nearest, position, velocity, by);
   const Reversal reversal = reversalOn(segment);
   const double course = courseError(error.course, reversal);
-  const double t_n = by.track_by_position.x();
-  const double t_e = by.track_by_position.y();
-  const double c_n = by.course_by_position.x();
-  const double c_e = by.course_by_position.y();
-  const double c_h = by.course_by_velocity.y() * air.x() - by.course_by_velocity.x() * air.y();
+  // Derivatives by n, e and psi.
+  const Eigen::Vector3d track(by.track_by_position.x(), by.track_by_position.y(), 0.0);
+  const Eigen::Vector3d turn(by.course_by_position.x(), by.course_by_position.y(),
+                             by.course_by_velocity.y() * air.x() - by.course_by_velocity.x() * air.y());
   const double w_t = trackWeight(reversal);
   const double w_c = weights_.course;
-  stage.Q_nn = w_t * t_n * t_n + w_c * c_n * c_n;
-  stage.Q_ne = w_t * t_n * t_e + w_c * c_n * c_e;
-  stage.Q_ee = w_t * t_e * t_e + w_c * c_e * c_e;
-  stage.Q_npsi = w_c * c_n * c_h;
-  stage.Q_epsi = w_c * c_e * c_h;
-  stage.Q_psipsi = w_c * c_h * c_h;
-  stage.Q_phi = weights_.roll;
-  stage.Q_p = weights_.roll_rate;
   const double rate = state[Index::kRollRate];
-  stage.q[0] = w_t * error.track * t_n + w_c * course * c_n;
-  stage.q[1] = w_t * error.track * t_e + w_c * course * c_e;
-  stage.q[2] = w_c * course * c_h;
-  stage.q[3] = 0.0;
-  stage.q[4] = weights_.roll_rate * rate;
+  stage.Q.topLeftCorner<3, 3>() = w_t * track * track.transpose() + w_c * turn * turn.transpose();
+  stage.Q(HorizonStage::kRoll, HorizonStage::kRoll) = weights_.roll;
+  stage.Q(HorizonStage::kRollRate, HorizonStage::kRollRate) = weights_.roll_rate;
+  stage.q << w_t * error.track * track + w_c * course * turn, 0.0, weights_.roll_rate * rate;
   StageTerms terms;
   terms.track_error = std::abs(error.track);
   terms.cost = w_t * error.track * error.track + w_c * course * course + weights_.roll_rate * rate * rate;

@@ -33,17 +33,8 @@ Dense condense(HorizonQp& qp, const VectorXd& x_0) {
   VectorXd rest = x_0;
   for (int k = 0; k <= N; ++k) {
     const HorizonStage& s = qp.stages()[k];
-    MatrixXd Q = MatrixXd::Zero(5, 5);
-    Q(0, 0) = s.Q_nn;
-    Q(1, 1) = s.Q_ee;
-    Q(2, 2) = s.Q_psipsi;
-    Q(0, 1) = Q(1, 0) = s.Q_ne;
-    Q(0, 2) = Q(2, 0) = s.Q_npsi;
-    Q(1, 2) = Q(2, 1) = s.Q_epsi;
-    Q(3, 3) = s.Q_phi;
-    Q(4, 4) = s.Q_p;
-    dense.H += by_move.transpose() * Q * by_move;
-    dense.g += by_move.transpose() * (Q * rest + Eigen::Map<const VectorXd>(s.q, 5));
+    dense.H += by_move.transpose() * s.Q * by_move;
+    dense.g += by_move.transpose() * (s.Q * rest + s.q);
     if (k > 0) {
       dense.roll_by_move.row(k - 1) = by_move.row(3);
       dense.roll_at_rest(k - 1) = rest(3);
@@ -51,17 +42,9 @@ Dense condense(HorizonQp& qp, const VectorXd& x_0) {
     if (k == N) break;
     dense.H(k, k) += s.R;
     dense.g(k) += s.r;
-    MatrixXd A = MatrixXd::Identity(5, 5);
-    A.row(0) << 1.0, 0.0, s.n_psi, s.n_phi, s.n_p;
-    A.row(1) << 0.0, 1.0, s.e_psi, s.e_phi, s.e_p;
-    A.row(2) << 0.0, 0.0, 1.0, s.psi_phi, s.psi_p;
-    A.row(3) << 0.0, 0.0, 0.0, qp.roll.phi_phi, qp.roll.phi_p;
-    A.row(4) << 0.0, 0.0, 0.0, qp.roll.p_phi, qp.roll.p_p;
-    VectorXd B(5);
-    B << s.n_u, s.e_u, s.psi_u, qp.roll.phi_u, qp.roll.p_u;
-    by_move = A * by_move;
-    by_move.col(k) += B;
-    rest = A * rest + Eigen::Map<const VectorXd>(s.gap, 5);
+    by_move = s.A * by_move;
+    by_move.col(k) += s.B;
+    rest = s.A * rest + s.gap;
   }
   return dense;
 }
@@ -88,8 +71,8 @@ double violation(HorizonQp& qp, const Dense& dense) {
     if (lambda(c) > 0.0) worst = std::max(worst, relaxed ? -above : std::abs(above));
     if (lambda(c) < 0.0) worst = std::max(worst, relaxed ? -below : std::abs(below));
   }
-  const Eigen::Map<const VectorXd> states(qp.states(), 5 * (N + 1));
-  for (int k = 1; k <= N; ++k) worst = std::max(worst, std::abs(states(5 * k + 3) - roll(k - 1)));
+  for (int k = 1; k <= N; ++k)
+    worst = std::max(worst, std::abs(qp.states()[k][HorizonStage::kRoll] - roll(k - 1)));
   return worst;
 }
 
@@ -105,24 +88,22 @@ class Draw {
 };
 
 void fill(HorizonQp& qp, Draw& draw, double stiffness) {
-  qp.roll = RollShooting(LateralModel{}, 0.1).transition();
+  const RollShooting shooting(LateralModel{}, 0.1);
   for (int k = 0; k <= qp.horizon(); ++k) {
     HorizonStage& s = qp.stages()[k];
-    s.n_psi = draw(1.4), s.n_phi = draw(0.05), s.n_p = draw(0.005), s.n_u = draw(0.002);
-    s.e_psi = draw(1.4), s.e_phi = draw(0.05), s.e_p = draw(0.005), s.e_u = draw(0.002);
-    s.psi_phi = 0.07 + draw(0.01), s.psi_p = 0.003 + draw(0.001), s.psi_u = 0.002 + draw(0.001);
-    for (double& gap : s.gap) gap = draw(0.02);
-    const double a[3] = {draw(), draw(), draw()};
-    const double b[3] = {draw(0.1), draw(0.1), draw()};
-    s.Q_nn = stiffness * (0.01 * a[0] * a[0] + 10.0 * b[0] * b[0]);
-    s.Q_ne = stiffness * (0.01 * a[0] * a[1] + 10.0 * b[0] * b[1]);
-    s.Q_ee = stiffness * (0.01 * a[1] * a[1] + 10.0 * b[1] * b[1]);
-    s.Q_npsi = stiffness * (0.01 * a[0] * a[2] + 10.0 * b[0] * b[2]);
-    s.Q_epsi = stiffness * (0.01 * a[1] * a[2] + 10.0 * b[1] * b[2]);
-    s.Q_psipsi = stiffness * (0.01 * a[2] * a[2] + 10.0 * b[2] * b[2]);
-    s.Q_phi = 0.1;
-    s.Q_p = 0.01;
-    for (double& q : s.q) q = stiffness * draw(0.5);
+    shooting.shoot({}, LateralState::Zero(), 0.0, s);
+    for (int row = 0; row < 2; ++row) {
+      s.A.row(row).tail<3>() << draw(1.4), draw(0.05), draw(0.005);
+      s.B(row) = draw(0.002);
+    }
+    s.A.row(2).tail<2>() << 0.07 + draw(0.01), 0.003 + draw(0.001);
+    s.B(2) = 0.002 + draw(0.001);
+    for (int i = 0; i < 5; ++i) s.gap[i] = draw(0.02);
+    const Eigen::Vector3d a(draw(), draw(), draw());
+    const Eigen::Vector3d b(draw(0.1), draw(0.1), draw());
+    s.Q.topLeftCorner<3, 3>() = stiffness * (0.01 * a * a.transpose() + 10.0 * b * b.transpose());
+    s.Q.diagonal().tail<2>() << 0.1, 0.01;
+    for (int i = 0; i < 5; ++i) s.q[i] = stiffness * draw(0.5);
     s.R = 5.0 + draw(4.0);
     s.r = draw(3.0);
   }
@@ -215,7 +196,6 @@ TEST(HorizonQp, WarmStartsAlongASequence) {
     std::copy(warm.stages(), warm.stages() + 41, cold.stages());
     std::copy(warm.moveBounds(), warm.moveBounds() + 40, cold.moveBounds());
     std::copy(warm.rollBounds(), warm.rollBounds() + 40, cold.rollBounds());
-    cold.roll = warm.roll;
     cold.coldStart();
     ASSERT_TRUE(warm.prepare());
     ASSERT_TRUE(cold.prepare());

@@ -78,6 +78,21 @@ TEST(MissionTrack, SwitchesCornersAtTheirBisectorWhereThatIsAskedFor) {
   EXPECT_TRUE(track.advance({30.0, 208.0}, {-14.0, 0.0}, true));
 }
 
+TEST(MissionTrack, HidesANextSegmentThatLeadsBackOrLiesElsewhere) {
+  SwitchCriterion criterion;
+  criterion.at_bisector = true;
+  const LineSegment line{{0.0, 0.0}, {200.0, 0.0}};
+  const auto isShown = [&](const PathSegment& next) {
+    const MissionTrack track(makeMission({line, next}, {}, "test"), criterion);
+    return &track.shownNext() == &track.next();
+  };
+  EXPECT_TRUE(isShown(LineSegment{{200.0, 0.0}, {200.0, 200.0}}));
+  EXPECT_FALSE(isShown(LineSegment{{200.0, 0.0}, {0.0, 0.0}}));
+  EXPECT_FALSE(isShown(LineSegment{{200.0, 90.0}, {400.0, 90.0}}));
+  criterion.at_bisector = false;
+  EXPECT_TRUE(isShown(LineSegment{{200.0, 0.0}, {0.0, 0.0}}));
+}
+
 TEST(MissionTrack, GoesOnWhereALineLiesBehind) {
   MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion);
   EXPECT_FALSE(track.advance({190.0, 80.0}, kNorthward));  // far beside

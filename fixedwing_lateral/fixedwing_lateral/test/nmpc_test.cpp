@@ -106,16 +106,10 @@ TEST(Shooting, IsTheStepOfTheModel) {
     const ShootingResult shot = shooting.shoot(scene.data.conditions, scene.state, u, stage);
     for (int row = 0; row < 5; ++row) EXPECT_NEAR(shot.end[row], end[order[row]], 1e-12);
     EXPECT_NEAR(shot.switch_rise, end[Index::kSwitch] - scene.state[Index::kSwitch], 1e-15);
-    const RollTransition& roll = shooting.transition();
-    const double structured[5][6] = {{1.0, 0.0, stage.n_psi, stage.n_phi, stage.n_p, stage.n_u},
-                                     {0.0, 1.0, stage.e_psi, stage.e_phi, stage.e_p, stage.e_u},
-                                     {0.0, 0.0, 1.0, stage.psi_phi, stage.psi_p, stage.psi_u},
-                                     {0.0, 0.0, 0.0, roll.phi_phi, roll.phi_p, roll.phi_u},
-                                     {0.0, 0.0, 0.0, roll.p_phi, roll.p_p, roll.p_u}};
     for (int row = 0; row < 5; ++row) {
       for (int column = 0; column < 5; ++column)
-        EXPECT_NEAR(structured[row][column], exact(order[row], order[column]), kDerivative);
-      EXPECT_NEAR(structured[row][5], exact(order[row], Index::kSize), kDerivative);
+        EXPECT_NEAR(stage.A(row, column), exact(order[row], order[column]), kDerivative);
+      EXPECT_NEAR(stage.B(row), exact(order[row], Index::kSize), kDerivative);
     }
   }
 }

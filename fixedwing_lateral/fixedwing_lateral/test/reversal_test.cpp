@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "fixedwing_lateral/turn_limits.hpp"
 #include "fixedwing_plant/aircraft.hpp"
@@ -50,67 +49,13 @@ TEST(ReversalChoice, TurnsTowardsThePathOrIntoTheWindAndThenStays) {
   EXPECT_EQ(choice.update(against(-0.7), {0.0, 30.0}, kNorthward, kCalm), Reversal::kNone);
   // The path is on the right.
   EXPECT_EQ(choice.update(against(-3.1), {0.0, 30.0}, kNorthward, kCalm), Reversal::kRight);
-  choice.begin(Reversal::kNone);
+  choice.begin();
   // The wind comes from the left.
   EXPECT_EQ(choice.update(against(3.1), {0.0, 1.0}, kNorthward, {0.0, 5.0}), Reversal::kLeft);
-  choice.begin(Reversal::kNone);
+  choice.begin();
   TrackError none;
   none.course = kPi;
   EXPECT_EQ(choice.update(none, {0.0, 30.0}, {0.0, 0.0}, kCalm), Reversal::kNone);
-}
-
-TEST(Junction, IsHiddenWhereThePathLeadsBackOrLiesElsewhere) {
-  const LineSegment line{{0.0, 0.0}, {200.0, 0.0}};
-  const auto to = [&](const PathSegment& next) {
-    return junctionOf(line, next, {14.0, 6.87, {0.0, 3.0}, {{170.0, 0.0}, {1.0, 0.0}}}, 35.0);
-  };
-  EXPECT_TRUE(to(LineSegment{{200.0, 0.0}, {200.0, 200.0}}).is_shown);
-  const Junction back = to(LineSegment{{200.0, 0.0}, {0.0, 0.0}});
-  EXPECT_FALSE(back.is_shown);
-  EXPECT_EQ(back.reversal, Reversal::kLeft);
-  const Junction elsewhere = to(LineSegment{{200.0, 90.0}, {400.0, 90.0}});
-  EXPECT_FALSE(elsewhere.is_shown);
-  EXPECT_EQ(elsewhere.reversal, Reversal::kNone);
-}
-
-/// Distance from the line at which a turn ends, flown in small steps [m].
-double flownOffset(const LineSegment& next, double corner, bool to_right, const SteadyTurn& turn) {
-  constexpr double kStep = 1e-4;
-  Vector2d position = turn.start.position;
-  const double angle = to_right == (corner > 0.0) ? std::abs(corner) : 2.0 * kPi - std::abs(corner);
-  const double rate = turn.acceleration / turn.airspeed;
-  for (double turned = 0.0; turned < angle; turned += rate * kStep) {
-    const double heading = to_right ? turned : -turned;
-    position += kStep * (turn.airspeed * Vector2d(std::cos(heading), std::sin(heading)) + turn.wind);
-  }
-  const Vector2d along = (next.b - next.a).normalized();
-  const Vector2d off = position - next.a;
-  return std::abs(along.x() * off.y() - along.y() * off.x());
-}
-
-// Also where the next line lies beside the end, as on parallel lines.
-TEST(Junction, TurnsToTheSideOnWhichTheTurnEndsNearerToTheNextLine) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> sharp(125.0 / 180.0 * kPi, kPi);
-  std::uniform_real_distribution<double> share(-0.6, 0.6);
-  std::uniform_real_distribution<double> aside(-60.0, 60.0);
-  int longer = 0;
-  for (int i = 0; i < 200; ++i) {
-    const double corner = (i % 2 == 0 ? 1.0 : -1.0) * sharp(random);
-    const PathPoint place{{aside(random) - 60.0, 0.2 * aside(random)}, {1.0, 0.0}};
-    const SteadyTurn turn{14.0, 6.87, 14.0 * Vector2d(share(random), share(random)), place};
-    const Vector2d start(0.0, i % 4 < 2 ? 0.0 : aside(random));
-    const LineSegment next{start, start + 300.0 * Vector2d(std::cos(corner), std::sin(corner))};
-    const double right = flownOffset(next, corner, true, turn);
-    const double left = flownOffset(next, corner, false, turn);
-    if (std::abs(right - left) < 0.1) continue;
-    const Junction junction = junctionOf(LineSegment{{-300.0, 0.0}, {0.0, 0.0}}, next, turn, 35.0);
-    EXPECT_FALSE(junction.is_shown);
-    EXPECT_EQ(junction.reversal, right < left ? Reversal::kRight : Reversal::kLeft) << i;
-    longer += (junction.reversal == Reversal::kRight) != (corner > 0.0) ? 1 : 0;
-  }
-  EXPECT_GT(longer, 20);
-  EXPECT_LT(longer, 180);
 }
 
 double leastRadiusFor(double airspeed, double wind_share) {

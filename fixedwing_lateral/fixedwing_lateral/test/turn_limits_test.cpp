@@ -50,28 +50,6 @@ TEST(SteepestRoll, IsThatOfACircleFlownInWind) {
   EXPECT_EQ(steepestRoll(circleOf(kRadius), in(14.0)), kPi / 2.0);
 }
 
-TEST(SteepestRoll, OfAnArcCountsTheCoursesThatItHas) {
-  LateralConditions conditions;
-  conditions.airspeed = kAirspeed;
-  conditions.wind = {7.0, 0.0};
-  for (const TurnDirection direction : {TurnDirection::kLeft, TurnDirection::kRight}) {
-    const double turn = direction == TurnDirection::kRight ? 1.0 : -1.0;
-    for (double start = -3.0; start < 3.0; start += 0.37) {
-      for (const double sweep : {0.1, 1.0, 3.0, 6.0}) {
-        const ArcSegment arc{{0.0, 0.0}, 50.0, direction, start, sweep};
-        double steepest = 0.0;
-        for (int i = 0; i <= 2000; ++i) {
-          const double course = start + turn * (sweep * i / 2000.0 + kPi / 2.0);
-          steepest = std::max(steepest, std::abs(rollByDifferences(wrapCourse(course), turn, 50.0, 7.0)));
-        }
-        EXPECT_NEAR(steepestRoll(arc, {0.0, 0.0}, conditions), steepest, 1e-5) << start << ' ' << sweep;
-      }
-    }
-  }
-  EXPECT_NEAR(steepestRoll(circleOf(60.0), {0.0, 0.0}, conditions), steepestRoll(circleOf(60.0), in(7.0)),
-              1e-12);
-}
-
 TEST(LeastRadius, IsWhereTheSteepestRollIsTheBound) {
   EXPECT_NEAR(leastRadius(in(0.0)), 28.5, 0.05);
   EXPECT_NEAR(leastRadius(in(7.0)), 64.2, 0.05);
@@ -119,15 +97,6 @@ TEST(FitTurns, AFilePlansDubinsPathsForItsWind) {
   EXPECT_TRUE(steepSegments(mission.segments, in(7.0)).empty());
   EXPECT_NEAR(std::get<ArcSegment>(mission.segments[0]).radius, leastRadius(in(7.0)), 1e-9);
   EXPECT_THROW(parseMission(path, "m", {}), Error);  // no radius and no wind
-  const Mission slow = parseMission(
-      "turns: {airspeed: 14, wind: 7, tight: widen, turn_gain: 0.9, roll_rate: 0.3, deviation: 1.5}\n" + path,
-      "m", {});
-  TurnConditions conditions = in(7.0);
-  conditions.turn_gain = 0.9;
-  conditions.roll_rate = 0.3;
-  conditions.deviation = 1.5;
-  EXPECT_NEAR(std::get<ArcSegment>(slow.segments[0]).radius, leastRadius(conditions), 1e-9);
-  EXPECT_TRUE(abruptJunctions(slow.segments, conditions).empty());
   const auto complaint = [&](const std::string& turns) -> std::string {
     try {
       parseMission("turns: " + turns + "\n" + path, "m", {});
@@ -144,6 +113,8 @@ TEST(FitTurns, AFilePlansDubinsPathsForItsWind) {
   EXPECT_EQ(
       complaint("{airspeed: 14, wind: 7, roll: 2}").rfind("m:1: turns: turns: roll: must lie between", 0),
       0U);
+  EXPECT_EQ(complaint("{airspeed: 14, wind: 7, deviation: 2}").rfind("m:1: turns: deviation is removed", 0),
+            0U);
   EXPECT_EQ(complaint("{airspeed: 14, wind: 7, speed: 2}").rfind("m:1: turns.speed: unknown key", 0), 0U);
 }
 
@@ -226,32 +197,6 @@ TEST(PlannedRoll, IsWhereAReversalDeviatesAsMuchAsItMay) {
   EXPECT_NEAR(deviationOf(-roll, roll, conditions), 2.0, 1e-6);
   const double radius = leastRadius(conditions);
   EXPECT_NEAR(radius, 441.0 / (9.81 * std::tan(roll)), 1e-9);
-  const std::vector<PathPose> poses = {{{0.0, 0.0}, 0.0}, {{300.0, 100.0}, 1.5}, {{0.0, 300.0}, 3.0}};
-  const LoiterOptions loiter{radius, TurnDirection::kRight};
-  const auto planned = [&](double size) {
-    return makeMission(planDubins(poses, size, "test"), loiter, "test");
-  };
-  EXPECT_TRUE(abruptJunctions(planned(radius).segments, conditions).empty());
-  // Two arcs that turn in opposite directions where they meet.
-  const std::vector<PathSegment> reversal = {
-      ArcSegment{{0.0, 0.0}, 80.0, TurnDirection::kRight, 0.0, kPi / 2.0},
-      LoiterCircle{{0.0, 160.0}, 80.0, TurnDirection::kLeft}};
-  const std::vector<AbruptJunction> abrupt = abruptJunctions(reversal, conditions);
-  ASSERT_EQ(abrupt.size(), 1U);
-  EXPECT_EQ(abrupt[0].segment, 0);
-  const double steep = std::atan(441.0 / (9.81 * 80.0));
-  EXPECT_NEAR(abrupt[0].deviation, deviationOf(steep, -steep, conditions), 1e-9);
-  // A corner is cut anyway.
-  EXPECT_TRUE(
-      abruptJunctions({LineSegment{{0.0, 0.0}, {100.0, 0.0}}, LineSegment{{100.0, 0.0}, {100.0, 100.0}}},
-                      conditions)
-          .empty());
-  conditions.roll = 0.6;
-  EXPECT_EQ(describeSteep(reversal, conditions)
-                .rfind("the roll cannot change as fast as the path behind segment 0", 0),
-            0U)
-      << describeSteep(reversal, conditions);
-  EXPECT_THROW(fitTurns(makeMission(reversal, {}, "test"), {TightTurns::kRefuse, conditions}, "m"), Error);
 }
 
 TEST(TurnPlan, OfTheNodeCountsWhatWasLearnt) {
@@ -268,7 +213,6 @@ TEST(TurnPlan, OfTheNodeCountsWhatWasLearnt) {
   EXPECT_EQ(conditions.turn_bias, 0.02);
   EXPECT_EQ(conditions.wind_speed, 5.0);
   EXPECT_EQ(conditions.roll_rate, 0.7);
-  EXPECT_FALSE(conditions.is_rate_presumed);
   EXPECT_NEAR(conditions.roll, 0.9 * (0.6108652382 - 0.03) * 13.48 / 13.97, 1e-9);
   EXPECT_NEAR(conditions.roll_variance, 0.0785, 1e-3);
   EXPECT_EQ(conditions.deviation, 1.5);
@@ -277,7 +221,6 @@ TEST(TurnPlan, OfTheNodeCountsWhatWasLearnt) {
 TEST(TurnPlan, OfAnUnknownRollRatePresumesOneThatFallsWithTheAirspeed) {
   LateralParameters parameters;
   const TurnConditions slow = turnPlanOf(parameters, {}).conditions;
-  EXPECT_TRUE(slow.is_rate_presumed);
   EXPECT_EQ(slow.roll_rate, 0.3);
   EXPECT_EQ(presumedRollRate(8.0), 0.3);
   parameters.guidance.airspeed_nominal = 42.0;
@@ -393,19 +336,6 @@ TEST(UnflyableCircle, TheDubinsFigureIsPlannedForItsWind) {
   EXPECT_LT(metrics.joined, 15.0);
   EXPECT_LT(metrics.after_joining, 3.0);
   EXPECT_LT(metrics.loiter, 3.0);
-}
-
-TEST(TurnPlan, TellsBeforehandOfAPresumedRollRate) {
-  LateralParameters parameters;
-  parameters.guidance.airspeed_nominal = 75.0;
-  parameters.tight_turns = "widen";
-  const std::string told = describeWidening(turnPlanOf(parameters, {}));
-  EXPECT_NE(told.find("set model/roll_rate_max"), std::string::npos) << told;
-  parameters.guidance.model.roll_rate_max = 0.2;
-  EXPECT_EQ(describeWidening(turnPlanOf(parameters, {})), "");
-  parameters.guidance.model.roll_rate_max = 0.0;
-  parameters.tight_turns = "keep";
-  EXPECT_EQ(describeWidening(turnPlanOf(parameters, {})), "");
 }
 
 }  // namespace

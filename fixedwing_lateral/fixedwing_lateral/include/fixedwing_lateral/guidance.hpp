@@ -148,14 +148,14 @@ class LateralGuidance {
   bool solve(const GuidanceInput& input) noexcept;
   void learn(const GuidanceInput& input) noexcept;
   void fillData() noexcept;
-  void shapeCorner(const AircraftState& state) noexcept;
+  void shapeCorner() noexcept;
   void setWeights() noexcept;
   void trustOptimisation() noexcept;
   void restart(const LateralState& state) noexcept;
   void keepHorizon(double time) noexcept;
   void holdOrLevel(double time) noexcept;
   LateralConditions presentConditions() const noexcept;
-  void beginSegment(Reversal reversal) noexcept;
+  void beginSegment() noexcept;
   void chooseReversal(const AircraftState& state) noexcept;
   void checkSegment(const AircraftState& state) noexcept;
   void watchConvergence(const AircraftState& state, double elapsed) noexcept;
@@ -166,8 +166,6 @@ class LateralGuidance {
   GuidanceOptions options_;
   MissionTrack track_;
   ReversalChoice reversal_;
-  // Junction at the end of the current segment, in the present wind.
-  Junction junction_;
   AirData air_;
   LateralObserver observer_;
   SpeedScaling scaling_;

@@ -7,26 +7,22 @@
 
 namespace polyfly {
 
-/// The roll loop over one step, the same at every stage: (phi, p)' = [[phi_phi, phi_p], [p_phi, p_p]] (phi,
-/// p) + (phi_u, p_u) u.
-struct RollTransition {
-  double phi_phi = 1.0, phi_p = 0.0, phi_u = 0.0;
-  double p_phi = 0.0, p_p = 1.0, p_u = 0.0;
-};
-
-/// One stage of the linearised problem, in deviations from the nodes about which it was linearised. The
-/// states are (n, e, psi, phi, p); what is not listed is 1 on the diagonal and 0 elsewhere.
+/// One stage of the linearised problem, in deviations from the nodes about which it was linearised. The states are
+/// (n, e, psi, phi, p).
 struct HorizonStage {
-  // derivatives of the next n, e and psi
-  double n_psi = 0.0, n_phi = 0.0, n_p = 0.0, n_u = 0.0;
-  double e_psi = 0.0, e_phi = 0.0, e_p = 0.0, e_u = 0.0;
-  double psi_phi = 0.0, psi_p = 0.0, psi_u = 0.0;
-  double gap[5] = {0.0, 0.0, 0.0, 0.0, 0.0};  ///< end of the step from this node minus the next node
-  // 1/2 x'Qx + q'x with Q symmetric; phi and p have diagonal entries only
-  double Q_nn = 0.0, Q_ne = 0.0, Q_ee = 0.0, Q_npsi = 0.0, Q_epsi = 0.0, Q_psipsi = 0.0;
-  double Q_phi = 0.0, Q_p = 0.0;
-  double q[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
-  double R = 1.0;  ///< 1/2 R u^2 + r u, R > 0; not used on the last stage
+  using State = Eigen::Matrix<double, 5, 1>;
+  using Square = Eigen::Matrix<double, 5, 5>;
+  static constexpr int kHeading = 2;
+  static constexpr int kRoll = 3;
+  static constexpr int kRollRate = 4;
+
+  Square A = Square::Identity();
+  State B = State::Zero();
+  State gap = State::Zero();  ///< end of the step from this node minus the next node
+  // 1/2 x'Qx + q'x + 1/2 R u^2 + r u with R > 0; without u on the last stage.
+  Square Q = Square::Zero();
+  State q = State::Zero();
+  double R = 1.0;
   double r = 0.0;
 };
 
@@ -59,8 +55,6 @@ class HorizonQp {
   Interval* moveBounds() noexcept { return bounds_.data(); }
   /// Bounds of phi_1 .. phi_N, N of them.
   Interval* rollBounds() noexcept { return &bounds_[N_]; }
-  /// Transition of the roll loop, the same at every stage.
-  RollTransition roll;
   /// Penalty weight of a radian of excess roll, > 0.
   double rho = 1e3;
 
@@ -71,8 +65,8 @@ class HorizonQp {
   /// the last iterate, within their bounds.
   QpStatus solve(const double* x_0) noexcept;
 
-  const double* moves() const noexcept { return qp_.x(); }     ///< N
-  const double* states() const noexcept { return x_.data(); }  ///< 5 (N + 1), stage by stage
+  const double* moves() const noexcept { return qp_.x(); }                  ///< N
+  const HorizonStage::State* states() const noexcept { return x_.data(); }  ///< N + 1
   /// Of move k, or of phi_{k - N + 1} for k >= N; positive at the upper bound, negative at the lower.
   const double* multipliers() const noexcept { return multiplier_.data(); }  ///< 2 N
   int activeCount() const noexcept;
@@ -91,7 +85,7 @@ class HorizonQp {
   std::vector<Interval> bounds_;
   StageCondensing<5, 1> condensing_;
   BoundedQp qp_;
-  std::vector<double> x_;  // 5 (N + 1)
+  std::vector<HorizonStage::State> x_;
   std::vector<double> multiplier_;
   // Derivatives of phi_1 .. phi_N by the moves, column by column.
   std::vector<double> rows_;

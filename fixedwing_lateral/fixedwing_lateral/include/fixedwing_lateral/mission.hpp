@@ -37,6 +37,15 @@ constexpr double kSamePoint = 0.1;
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
                        const std::string& where);
 
+/// How the next segment goes on where this one ends.
+struct Onward {
+  bool joins = false;  ///< it begins there
+  bool is_smooth = false;
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
+};
+
+Onward onwardOf(const PathSegment& segment, const PathSegment& next);
+
 /// Where an aircraft is in its mission. Advances where the switch condition is met. Also where the end of a segment
 /// was passed without meeting it (beside the acceptance radius, or in another direction). Also where an end was
 /// missed twice: the aircraft came near it and left again. That happens where the segments do not join or cannot be
@@ -58,6 +67,9 @@ class MissionTrack {
   const PathSegment& current() const noexcept { return mission_.segments[index_]; }
   const PathSegment& next() const noexcept { return mission_.segments[isLoitering() ? index_ : index_ + 1]; }
   const SwitchGate& gate() const noexcept { return gates_[index_]; }
+  /// The segment that a horizon sees behind the gate. That is not the next one where it leads back or lies elsewhere:
+  /// there is no corner to cut, and the horizon would avoid the switch condition.
+  const PathSegment& shownNext() const noexcept { return is_next_shown_[index_] ? next() : current(); }
   const std::vector<PathSegment>& segments() const noexcept { return mission_.segments; }
 
   /// Of the corner at the end of the segment that is flown. Of a track that is not empty. Allocates nothing.
@@ -77,6 +89,7 @@ class MissionTrack {
 
   Mission mission_;
   std::vector<SwitchGate> gates_;
+  std::vector<bool> is_next_shown_;
   int index_ = 0;
   // True when the last call had a position on the second half of the segment.
   bool near_end_ = false;

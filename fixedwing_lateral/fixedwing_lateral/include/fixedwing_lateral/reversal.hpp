@@ -16,36 +16,13 @@ class ReversalChoice {
   Reversal update(const TrackError& error, const Eigen::Vector2d& to_path,
                   const Eigen::Vector2d& ground_velocity, const Eigen::Vector2d& wind) noexcept;
 
-  /// A segment begins: the side that was chosen for it goes on, or nothing is chosen.
-  void begin(Reversal reversal) noexcept { chosen_ = reversal; }
+  /// A segment begins: nothing is chosen.
+  void begin() noexcept { chosen_ = Reversal::kNone; }
 
   Reversal chosen() const noexcept { return chosen_; }
 
  private:
   Reversal chosen_ = Reversal::kNone;
 };
-
-/// How a segment follows another one.
-struct Junction {
-  /// Of a turn that begins now. kNone unless the segment leads back, and the aircraft's course is still against it.
-  Reversal reversal = Reversal::kNone;
-  /// False: the optimisation does not get the segment before it begins. That is so where it leads back or lies
-  /// elsewhere. There is no corner to cut, and the horizon would avoid the switch condition.
-  bool is_shown = true;
-};
-
-/// A turn by the greatest roll, from where the aircraft is.
-struct SteadyTurn {
-  double airspeed = 14.0;                          ///< [m/s]
-  double acceleration = 6.87;                      ///< lateral, g tan(roll) [m/s^2], > 0
-  Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< (north, east) [m/s]
-  PathPoint start;                                 ///< position and course
-};
-
-/// Where the path leads back, the turn goes to the side on which it ends nearer to the next segment's line. The wind
-/// moves the aircraft all through the turn. `reach` [m]: how far from the end the next segment may begin, to be
-/// shown.
-Junction junctionOf(const PathSegment& segment, const PathSegment& next, const SteadyTurn& turn,
-                    double reach) noexcept;
 
 }  // namespace polyfly

@@ -7,11 +7,10 @@
 
 namespace polyfly {
 
-/// What one interval of shooting gives: the step of `integrate` and its derivatives, in the form of
-/// HorizonStage.
+/// The end of one interval of shooting.
 struct ShootingResult {
-  /// State (n, e, psi, phi, p) at the end of the interval.
-  double end[5];
+  /// State at the end of the interval.
+  HorizonStage::State end;
   /// Rise of x_sw over the interval.
   double switch_rise = 0.0;
 };
@@ -22,25 +21,18 @@ class RollShooting {
  public:
   RollShooting(const LateralModel& model, double step) noexcept;
 
-  /// The roll loop over one step.
-  const RollTransition& transition() const noexcept { return transition_; }
-
-  /// Fills the derivatives of `stage`; its gap and cost are left alone.
+  /// Fills A and B of `stage`; its gap and cost are left alone.
   ShootingResult shoot(const LateralConditions& conditions, const LateralState& state, double roll_reference,
                        HorizonStage& stage) const noexcept;
 
  private:
-  struct RollStage {  // phi at a stage of the step, as a combination
-    double phi, p, u;
-  };
-
   double switchRise(const LateralConditions& conditions, const LateralState& state,
                     const std::array<double, 4>& cosines, const std::array<double, 4>& sines) const noexcept;
 
-  LateralModel model_;
   double step_ = 0.0;
-  RollTransition transition_;
-  std::array<RollStage, 4> roll_;
+  // Roll at the four stages, and roll and roll rate at the end, by (phi, p, u).
+  std::array<Eigen::RowVector3d, 4> roll_;
+  Eigen::Matrix<double, 2, 3> end_;
 };
 
 }  // namespace polyfly

@@ -28,10 +28,8 @@ struct CornerShape {
   double published_scale = 1.0;
 };
 
-/// A corner is sharp from this angle on: the path leads back [rad].
+/// A corner is sharp from this angle on: the path leads back, and the corner is not bisected [rad].
 constexpr double kSharp = 120.0 / 180.0 * kPi;
-/// No corner is bisected from this angle on [rad].
-constexpr double kSharpestBisected = 160.0 / 180.0 * kPi;
 
 /// The switch condition of one segment, made ready for the horizon.
 ///
@@ -51,20 +49,14 @@ class SwitchGate {
   /// The next segment begins at this one's end, in the direction `onward` (a unit vector). Then the position must
   /// also lie beyond the line that halves the angle between both segments, where the next one is the nearer. The
   /// course may be any between both directions, with the tolerance. The turn onto both needs more room at a sharper
-  /// corner, so the acceptance radius is divided by the cosine of half the angle. A sharp corner is bisected only
-  /// where that radius is at most `room` [m], and below kSharpestBisected. Elsewhere it is switched as published, on
-  /// a radius that fits the speed. A corner that is bisected stays so until the radius is 1.5 times `room`: noise of
-  /// the airspeed does not decide.
-  void bisect(const Eigen::Vector2d& onward, double room) noexcept;
+  /// corner, so the acceptance radius is divided by the cosine of half the angle. A sharp corner is switched as published, on
+  /// a radius that fits the speed.
+  void bisect(const Eigen::Vector2d& onward) noexcept;
 
-  bool isBisected() const noexcept {
-    return is_corner_ && corner_angle_ < kSharpestBisected && (corner_angle_ < kSharp || fits_);
-  }
+  bool isBisected() const noexcept { return is_corner_ && corner_angle_ < kSharp; }
   /// Of a corner: the direction in which it is flown, and the angle from one segment to the other [rad].
   const Eigen::Vector2d& cornerDirection() const noexcept { return isBisected() ? between_ : end_.tangent; }
   double cornerAngle() const noexcept { return corner_angle_; }
-  /// As given [m].
-  double acceptanceRadius() const noexcept { return acceptance_radius_; }
 
   /// Nothing where bisect was not called.
   void shapeCorner(const CornerShape& shape) noexcept;
@@ -92,10 +84,6 @@ class SwitchGate {
   Eigen::Vector2d between_ = Eigen::Vector2d::Zero();
   double least_corner_cosine_ = 0.0;
   double corner_angle_ = 0.0;  // [rad]
-  double room_ = 0.0;          // [m]
-  // Whether a sharp corner has the room, by its last shape.
-  bool fits_ = false;
-  bool is_shaped_ = false;
   // Factor of the acceptance radius on the bisector.
   double widening_ = 1.0;
   CornerShape shape_;

@@ -52,8 +52,6 @@ struct TurnConditions {
   double turn_bias = 0.0;
   /// Greatest roll rate; 0: no bound [rad/s], >= 0.
   double roll_rate = 0.0;
-  /// Whether roll_rate is presumed, and not known of this aircraft.
-  bool is_rate_presumed = false;
   /// Variance of the roll loop's impulse response [s^2], >= 0.
   double roll_variance = 0.0;
   /// Greatest deviation from the path where a turn follows another one; 0: no bound [m], >= 0.
@@ -84,8 +82,7 @@ double leastRadius(const TurnConditions& conditions) noexcept;
 /// direction. 0 on a line, pi/2 where the wind is not below the airspeed.
 double steepestRoll(const PathSegment& segment, const TurnConditions& conditions);
 
-/// The same with the conditions of a horizon, of whose wind the direction is known. On an arc the course nearest to
-/// downwind counts, on a curve only the place nearest to `position`. Allocates nothing.
+/// The same with the conditions of a horizon. On a curve only the place nearest to `position` counts. Allocates nothing.
 double steepestRoll(const PathSegment& segment, const Eigen::Vector2d& position,
                     const LateralConditions& conditions) noexcept;
 
@@ -99,19 +96,8 @@ struct SteepSegment {
 std::vector<SteepSegment> steepSegments(const std::vector<PathSegment>& segments,
                                         const TurnConditions& conditions);
 
-/// A change of curvature between a segment and the next one that cannot be followed.
-struct AbruptJunction {
-  int segment = 0;
-  double deviation = 0.0;  ///< [m]
-};
-
-/// In order of flight; only where the next segment goes on in the same direction, as a corner is cut anyway.
-std::vector<AbruptJunction> abruptJunctions(const std::vector<PathSegment>& segments,
-                                            const TurnConditions& conditions);
-
 /// "segment 3 asks for 44 degrees of roll, and 2 more ..., where 35 are allowed: at 14.0 m/s in a wind of 7.0
-/// m/s circles need 64.2 m"; "the roll cannot change as fast as the path behind segment 2 asks for: ...". Empty where
-/// neither is the case.
+/// m/s circles need 64.2 m". Empty where that is not the case.
 std::string describeSteep(const std::vector<PathSegment>& segments, const TurnConditions& conditions);
 
 /// What becomes of a mission with turns that cannot be flown.
@@ -132,9 +118,6 @@ struct TurnPlan {
   /// For a path that is still to be planned: the radius, widened where that is asked for [m].
   double planned(double radius) const noexcept;
 };
-
-/// By how much turns are widened because the greatest roll rate is not known. Empty where it changes little.
-std::string describeWidening(const TurnPlan& plan);
 
 /// A mission by the plan. A loiter that is widened keeps the place and the direction in which the segment
 /// before meets it, or its centre where none does. Throws polyfly::Error, beginning with `where` and the
