@@ -36,7 +36,7 @@ the time limit.
 TRACKING = """\
 confirmed: the program is that of the problem{beside}, within {0.difference:.3g} of the greatest entry of each row
 what that may change in an input: at most {0.effect:.3g} of its range
-the Riccati equation of the terminal weight holds within {0.riccati_residual:.3g}
+the Riccati equation of the terminal weight holds within {0.expected.riccati_residual:.3g}
 """
 ROBUST = """\
 confirmed: the model is that of the problem, within {0.difference:.3g}; {0.rows} rows follow from it exactly
@@ -58,7 +58,7 @@ SIGNALS = "the map's signals, ranges and period are those of the problem\n"
 
 def confirm_tracking(certificate, region_map):
     match = match_tracking(certificate, TrackingProblem(region_map.problem))
-    beside = " beside the feedback of its Riccati gains" if match.beside_feedback else ""
+    beside = " beside the feedback of its Riccati gains" if match.expected.beside_feedback else ""
     return TRACKING.format(match, beside=beside)
 
 

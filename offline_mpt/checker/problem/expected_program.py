@@ -9,7 +9,7 @@ from optimal_control import DiscreteSystem, discretised, terminal_weight
 
 # F and C have the constant part, f and c, as their last column; u = z_0 + C (theta, 1). The residual of the Riccati
 # equation is 0 where P is given.
-ExpectedProgram = namedtuple("ExpectedProgram", "H F C rows riccati_residual")
+ExpectedProgram = namedtuple("ExpectedProgram", "H F C rows riccati_residual beside_feedback")
 # Parts on_z, on_theta and bound of on_z z <= bound + on_theta theta, in units of 2^-BITS, each number within the radius.
 # Without z a row bounds theta.
 ExpectedRow = namedtuple("ExpectedRow", "parts radius is_equality")
@@ -101,7 +101,8 @@ class Condensing:
             self._add_constraint(constraint)
         n, p = self._n, self._width - self._n
         C = (self._u_ref + self._values[0]).part(0, n, self._nu, p)
-        return ExpectedProgram(self._cost.part(0, 0, n, n), self._cost.part(0, n, n, p), C, self._rows, residual)
+        return ExpectedProgram(self._cost.part(0, 0, n, n), self._cost.part(0, n, n, p), C, self._rows,
+                               float(residual), beside_feedback)
 
     def _value_before(self, k):
         return self._values[k - 1] if k else self._before

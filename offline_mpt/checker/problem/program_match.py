@@ -12,7 +12,7 @@ TOLERANCE = Fraction(1, 10**12)
 # What all differences may change in an input, as a share of its range.
 GREATEST_EFFECT = Fraction(1, 10**6)
 
-ProgramMatch = namedtuple("ProgramMatch", "difference effect riccati_residual beside_feedback")
+ProgramMatch = namedtuple("ProgramMatch", "difference effect expected")
 
 
 def difference_of(wanted, found, radius):
@@ -82,11 +82,10 @@ class Match:
             self._effect.add_row(parts[0], *(distances(*part, radius) for part in zip(row.parts, parts)))
 
 
-def match_expected(certificate, problem, beside_feedback):
+def match_expected(certificate, problem, expected):
     """The program is the expected one, and the differences change no input by more than a millionth of its range."""
     ranges = [list(parameter.range) for parameter in problem.free]
     require(certificate.program["box"] == ranges, "the range of a parameter is not that of the problem")
-    expected = expected_program(problem, beside_feedback)
     require(len(certificate.program["H"]) == len(expected.H.rows), "H: has another size than the problem")
     effect = RoundingEffect(certificate.program, ranges, problem.inputs, len(problem.blocks) * len(problem.inputs))
     match = Match(certificate, expected, effect)
@@ -94,7 +93,7 @@ def match_expected(certificate, problem, beside_feedback):
     share = effect.of_inputs(expected.C)
     require(share <= GREATEST_EFFECT,
             f"rounding of the program may change an input by {float(share):.3g} of its range")
-    return ProgramMatch(*map(float, (match.greatest, share, expected.riccati_residual)), beside_feedback)
+    return ProgramMatch(float(match.greatest), float(share), expected)
 
 
 def is_block_diagonal(H, inputs, size):
@@ -106,9 +105,9 @@ def is_block_diagonal(H, inputs, size):
 def match_tracking(certificate, problem):
     """In the inputs, or else beside a feedback."""
     try:
-        return match_expected(certificate, problem, beside_feedback=False)
+        return match_expected(certificate, problem, expected_program(problem))
     except Refused:
         nu = len(problem.inputs)
         if not is_block_diagonal(certificate.program["H"], len(problem.blocks) * nu, nu):
             raise
-    return match_expected(certificate, problem, beside_feedback=True)
+    return match_expected(certificate, problem, expected_program(problem, beside_feedback=True))
