@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -22,8 +20,8 @@ class MpiSession {
   MpiSession& operator=(const MpiSession&) = delete;
   ~MpiSession() { leave(); }
 
-  /// CPU time of this process by phase [s]; after `leave` that of all.
-  std::array<double, 5> cpu{};
+  /// CPU time of this process by phase, five at most [s]; after `leave` that of all.
+  std::vector<double> cpu;
 
   /// Null where this process is alone.
   MpiGroup* group() const { return group_.get(); }
@@ -66,8 +64,10 @@ class MpiSession {
     if (!group_ || left_) return;
     left_ = true;
     if (leads()) group_->shutDown();
-    const std::vector<double> sum = group_->leave({cpu.begin(), cpu.end()});
-    std::copy(sum.begin(), sum.end(), cpu.begin());
+    // Also of a process that failed in between, the sum needs equally many numbers.
+    constexpr std::size_t kMostPhases = 5;
+    cpu.resize(kMostPhases);
+    cpu = group_->leave(cpu);
   }
 
   /// One of them is lost: there is nothing to wait for.

@@ -205,10 +205,10 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
   }
   const ParametricProgram& program = input.program;
   if (!options.quiet) printRemarks(options.problem, program);
-  clock.end(&PhaseSeconds::load);
+  clock.end("load");
   const Partition partition = inFile(options.problem, program,
                                      [&] { return exploreWithProgress(program, options, session.group()); });
-  clock.end(&PhaseSeconds::explore);
+  clock.end("explore");
   reportStop(options, partition);
   reportUnbounded(options, partition);
   if (partition.stats.lost_process > 0) {
@@ -230,11 +230,11 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
   limitTree(options, partition);
   MapContent content =
       inFile(options.problem, program, [&] { return encodeWithProgress(program, partition, options); });
-  clock.end(&PhaseSeconds::encode);
+  clock.end("encode");
   addSoftBounds(program, partition, options, &content);
-  clock.end(&PhaseSeconds::encode);
+  clock.end("encode");
   const bool is_right = answersRight(options, program, content);
-  clock.end(&PhaseSeconds::check);
+  clock.end("check");
   ignoreSignals();
   if (!is_right) {
     removeCheckpoint(options, partition);
@@ -242,13 +242,13 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
   }
   writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
-  clock.end(&PhaseSeconds::write);
+  clock.end("write");
   removeCheckpoint(options, partition);
   if (!options.stats.empty()) {
     writeText(options.stats,
               solveStats(program, partition, map, clock, options.explore.threads, session.processes()));
   }
-  reportEnd(options, partition, map, clock.seconds);
+  reportEnd(options, partition, map, clock);
   return exitCode(partition.status);
 }
 
@@ -259,9 +259,9 @@ void assist(const SolveArguments& options, MpiSession& session) {
   ignoreSignals();
   const JobInput input = session.readAlike([&] { return readInput(options); });
   if (input.own != nullptr) return;  // process 0 solves it alone
-  clock.end(&PhaseSeconds::load);
+  clock.end("load");
   runWorkerProcess(input.program, options.explore, *session.group());
-  clock.end(&PhaseSeconds::explore);
+  clock.end("explore");
   clock.leave(session);
 }
 

@@ -15,14 +15,6 @@ constexpr std::uint64_t kManyOpenSets = 100;
 // A longer look-up is not for flight: about half a millisecond on a small computer.
 constexpr std::uint64_t kLongLookup = 200'000;  // multiply-adds
 
-nlohmann::ordered_json phasesJson(const PhaseSeconds& seconds) {
-  return {{"load", seconds.load},
-          {"explore", seconds.explore},
-          {"encode", seconds.encode},
-          {"check", seconds.check},
-          {"write", seconds.write}};
-}
-
 // Regions between such rows may be thinner than a map can have.
 void reportNearRows(const SolveArguments& options, const Partition& partition) {
   if (partition.near_rows.empty()) return;
@@ -58,11 +50,11 @@ std::string solveStats(const ParametricProgram& program, const Partition& partit
   json["open_sets"] = partition.stats.open_sets;
   json["resumed_regions"] = partition.stats.resumed_regions;
   json["explore_bytes"] = partition.stats.memory_bytes;
-  json["cpu_seconds"] = clock.cpu.explore;
+  json["cpu_seconds"] = clock.cpu["explore"];
   json["threads"] = threads;
   json["processes"] = processes;
-  json["seconds"] = phasesJson(clock.seconds);
-  json["phase_cpu_seconds"] = phasesJson(clock.cpu);
+  json["seconds"] = clock.seconds;
+  json["phase_cpu_seconds"] = clock.cpu;
   json["laws"] = map.lawCount();
   json["planes"] = map.planeCount();
   json["nodes"] = map.nodeCount();
@@ -113,7 +105,7 @@ std::string whatRemains(const SolveArguments& options, const Partition& partitio
 }
 
 void reportEnd(const SolveArguments& options, const Partition& partition, const RegionMap& map,
-               const PhaseSeconds& seconds) {
+               const PhaseClock& clock) {
   switch (partition.status) {
     case ExploreStatus::kComplete:
     case ExploreStatus::kInfeasible:
@@ -148,7 +140,8 @@ void reportEnd(const SolveArguments& options, const Partition& partition, const 
   reportNearRows(options, partition);
   std::printf("%s: %s, %zu regions, %zu laws, depth %u, %zu bytes, explored in %.3g s, tree in %.3g s\n",
               options.map.c_str(), toString(partition.status), map.regionCount(), map.lawCount(),
-              map.cost().depth, map.bytes(), seconds.explore, seconds.encode);
+              map.cost().depth, map.bytes(), clock.seconds["explore"].get<double>(),
+              clock.seconds["encode"].get<double>());
 }
 
 }  // namespace polyfly

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "mpi_session.hpp"
@@ -25,36 +25,26 @@ struct SolveArguments {
   bool force = false;
 };
 
-/// Times of the phases [s].
-struct PhaseSeconds {
-  double load = 0.0;
-  double explore = 0.0;
-  double encode = 0.0;
-  double check = 0.0;
-  double write = 0.0;
-};
-
-constexpr std::array<double PhaseSeconds::*, 5> kPhases = {&PhaseSeconds::load, &PhaseSeconds::explore,
-                                                           &PhaseSeconds::encode, &PhaseSeconds::check,
-                                                           &PhaseSeconds::write};
-
-/// How long the phases took, and what they took of the processors.
+/// How long the phases took, and what they took of the processors, in their order. [s]
 class PhaseClock {
  public:
-  PhaseSeconds seconds;
+  nlohmann::ordered_json seconds = nlohmann::ordered_json::object();
   /// Of this process until `leave`, then of all.
-  PhaseSeconds cpu;
+  nlohmann::ordered_json cpu = nlohmann::ordered_json::object();
 
-  void end(double PhaseSeconds::*phase) {
-    seconds.*phase += watch_.lap();
-    cpu.*phase += cpu_watch_.lap();
+  /// What passed since the last call counts for this phase.
+  void end(const char* phase) {
+    seconds[phase] = seconds.value(phase, 0.0) + watch_.lap();
+    cpu[phase] = cpu.value(phase, 0.0) + cpu_watch_.lap();
   }
 
-  /// Leaves the group, and adds what the other processes took of their processors.
+  /// Leaves the group, and adds what the other processes took of their processors. All have ended the same phases.
   void leave(MpiSession& session) {
-    for (std::size_t i = 0; i < session.cpu.size(); ++i) session.cpu[i] = cpu.*kPhases[i];
+    session.cpu.clear();
+    for (const auto& phase : cpu) session.cpu.push_back(phase);
     session.leave();
-    for (std::size_t i = 0; i < session.cpu.size(); ++i) cpu.*kPhases[i] = session.cpu[i];
+    auto sum = session.cpu.begin();
+    for (auto& phase : cpu) phase = *sum++;
   }
 
  private:
@@ -85,6 +75,6 @@ std::string whatRemains(const SolveArguments& options, const Partition& partitio
 
 /// What the map is that was written.
 void reportEnd(const SolveArguments& options, const Partition& partition, const RegionMap& map,
-               const PhaseSeconds& seconds);
+               const PhaseClock& clock);
 
 }  // namespace polyfly

@@ -39,17 +39,8 @@ FeasibleSet projectWithProgress(const RobustProgram& program, const SolveArgumen
   return projectFeasibleSet(program, project);
 }
 
-/// Times of the phases [s].
-struct RobustSeconds {
-  double project = 0.0;
-  double regions = 0.0;
-  double encode = 0.0;
-  double check = 0.0;
-  double write = 0.0;
-};
-
 std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMap& map,
-                    const RobustSeconds& seconds) {
+                    const PhaseClock& clock) {
   nlohmann::ordered_json json;
   json["name"] = std::string(map.name());
   json["status"] = std::string(map.solverStatus());
@@ -64,11 +55,7 @@ std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMa
   json["laws"] = map.lawCount();
   json["depth"] = map.cost().depth;
   json["bytes"] = map.bytes();
-  json["seconds"] = {{"project", seconds.project},
-                     {"regions", seconds.regions},
-                     {"encode", seconds.encode},
-                     {"check", seconds.check},
-                     {"write", seconds.write}};
+  json["seconds"] = clock.seconds;
   return json.dump(2) + "\n";
 }
 
@@ -77,7 +64,7 @@ std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMa
 ExitCode solveRobust(const SolveArguments& options) {
   const std::string unwritten = options.map + ": stopped, nothing was written";
   endOnSignal(unwritten, options.time_limit);
-  Stopwatch watch;
+  PhaseClock clock;
   const RobustProblem problem = loadRobustProblem(options.problem);
   const RobustProgram program = buildRobustProgram(problem);
   const FeasibleSet set = projectWithProgress(program, options);
@@ -86,19 +73,19 @@ ExitCode solveRobust(const SolveArguments& options) {
   if (set.interrupted) endNow(stopped);
   writeCuts(checkpointOf(options), set.facets);
   endOnSignal(stopped);
-  const double project_time = watch.lap();
+  clock.end("project");
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
-  const double region_time = watch.lap();
+  clock.end("regions");
   TreeOptions tree;
   tree.threads = options.explore.threads;
   tree.mode = options.tree_mode;
   tree.node_limit = options.tree_nodes;
   const MapContent content = encode(rounded.program, rounded.partition, tree);
-  const double encode_time = watch.lap();
+  clock.end("encode");
   OnlineLp online(problem);
   const AnswerCheck check = checkAnswers(content, [&](const double* theta) { return online.input(theta); });
-  const double check_time = watch.lap();
+  clock.end("check");
   ignoreSignals();
   if (!check.fault.empty()) {
     std::fprintf(stderr, "offline_mpt: %s: not written: %s\n", options.map.c_str(), check.fault.c_str());
@@ -108,16 +95,15 @@ ExitCode solveRobust(const SolveArguments& options) {
   writeMap(content, options.map);
   ::unlink(checkpointOf(options).c_str());
   const RegionMap map = RegionMap::open(options.map);
-  const double write_time = watch.lap();
-  if (!options.stats.empty())
-    writeText(options.stats,
-              statsOf(set, law, map, {project_time, region_time, encode_time, check_time, write_time}));
+  clock.end("write");
+  if (!options.stats.empty()) writeText(options.stats, statsOf(set, law, map, clock));
   if (!options.quiet) {
+    const auto seconds = [&](const char* phase) { return clock.seconds[phase].get<double>(); };
     std::printf(
         "%s: complete, %zu regions, %zu laws, depth %u, %zu bytes; feasible set of %zu facets and %zu "
         "vertices, each proven, in %.3g s, regions in %.3g s, tree in %.3g s\n",
         options.map.c_str(), map.regionCount(), map.lawCount(), map.cost().depth, map.bytes(),
-        set.facets.size(), set.vertices.size(), project_time, region_time, encode_time);
+        set.facets.size(), set.vertices.size(), seconds("project"), seconds("regions"), seconds("encode"));
   }
   return ExitCode::kDone;
 }

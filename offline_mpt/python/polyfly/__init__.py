@@ -8,22 +8,23 @@
 Names, units and files are those of the tools. A rule that input breaks raises Error with file, field and rule.
 """
 from ._polyfly import (__version__, CertifyReport, Defect, DiffReport, DiscreteModel, Error, LawDifference, Map,
-                       MapCover, MPLP, MPQP, OnlineProgram, OnlineRobust, OutsideError, Parameter, Picture, Problem,
+                       MapCover, OnlineProgram, OnlineRobust, OutsideError, Parameter, Picture, Problem,
                        Program, Region, RobustProblem, RobustProof, RobustSampling, Signal, SteadyState, VerifyReport,
                        diff, load_problem, load_program, load_robust_problem, is_robust_file, open, parse_problem,
-                       parse_robust_problem)
+                       parse_program, parse_robust_problem)
 from .disturbance import DisturbanceRange, disturbance_ranges
 from .law import Law, RobustLaw
 from .layer import Layer
 from .mat import load_mat
 from .mpc import MPC
+from .program import MPLP, MPQP
 from .robust import RobustMPC
 
-__all__ = ["CertifyReport", "Defect", "DiffReport", "DiscreteModel", "DisturbanceRange", "Error", "Law", "LawDifference", "Layer", "MPC",
-           "MPLP", "MPQP", "Map", "MapCover", "OnlineProgram", "OnlineRobust", "OutsideError", "Parameter", "Picture",
+__all__ = ["CertifyReport", "Defect", "DiffReport", "DiscreteModel", "DisturbanceRange", "Error", "Law",
+           "LawDifference", "Layer", "MPC", "MPLP", "MPQP", "Map", "MapCover", "OnlineProgram", "OnlineRobust", "OutsideError", "Parameter", "Picture",
            "Problem", "Program", "Region", "RobustLaw", "RobustMPC", "RobustProblem", "RobustProof", "RobustSampling",
-           "Signal", "SteadyState", "VerifyReport", "diff", "disturbance_ranges", "is_robust_file", "load", "load_mat", "load_problem",
-           "load_program", "load_robust_problem", "open", "parse_problem", "parse_robust_problem"]
+           "Signal", "SteadyState", "VerifyReport", "diff", "disturbance_ranges", "is_robust_file", "load", "load_mat",
+           "load_problem", "load_program", "load_robust_problem", "open", "parse_problem", "parse_program", "parse_robust_problem"]
 
 
 def load(path):

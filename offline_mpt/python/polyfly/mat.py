@@ -6,7 +6,8 @@ import pathlib
 
 import numpy as np
 
-from ._polyfly import MPLP, MPQP, Error, Program
+from ._polyfly import Error, Program
+from .program import MPLP, MPQP
 
 REQUIRED = ("f", "F", "A", "b", "B", "lo", "hi")
 VECTORS = ("f", "b", "lo", "hi", "b_theta")

@@ -71,10 +71,10 @@ class Names(unittest.TestCase):
         self.assertTrue(issubclass(pf.OutsideError, pf.Error))
 
     def test_import_needs_numpy_alone(self):
-        code = "import sys, pathlib, typing, numpy; before = set(sys.modules); import polyfly; print(sorted(set(sys.modules) - before))"
+        code = "import sys, json, pathlib, typing, numpy; before = set(sys.modules); import polyfly; print(sorted(set(sys.modules) - before))"
         printed = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
-        self.assertEqual(["polyfly", "polyfly._polyfly", "polyfly.disturbance", "polyfly.law", "polyfly.layer", "polyfly.mat", "polyfly.mpc",
-                          "polyfly.robust", "polyfly.statement"], ast.literal_eval(printed))
+        self.assertEqual(["polyfly", "polyfly._polyfly", "polyfly.disturbance", "polyfly.law", "polyfly.layer", "polyfly.mat",
+                          "polyfly.mpc", "polyfly.program", "polyfly.robust", "polyfly.statement"], ast.literal_eval(printed))
 
 
 class Interruption(unittest.TestCase):
