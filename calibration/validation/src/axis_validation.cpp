@@ -74,7 +74,8 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
   // None for a map of a minimum-peak robust MPC; `offline_mpt verify --exact` proves it.
-  const std::unique_ptr<AxisLaw> online = explicitAxisLaw(map, problemOf(map, axis.axis))->onlineEquivalent();
+  AxisLaw law(map, problemOf(map, axis.axis));
+  law.solveOutside();
   MapUseCounter counter(map);
   std::vector<double> thetas;
   std::vector<double> input(map.inputs().size());
@@ -96,9 +97,9 @@ AxisValidation validateAxis(const std::vector<ReplayedFlight>& flights, const Re
       if (use.lookup.status != LookupStatus::kInside) continue;
       axis.edge_series.push_back({stamp, use.face, use.edge});
       thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
-      if (!online) continue;
+      if (!law.solvesOutside()) continue;
       map.evaluate(report.theta.data(), input.data());
-      if (online->evaluate(report.theta.data(), solved.data()).status == LookupStatus::kInside) {
+      if (law.solve(report.theta.data(), solved.data()).status == LookupStatus::kInside) {
         qp.add(input.front() - solved.front(), stamp);
         axis.qp_series.push_back({stamp, std::abs(input.front() - solved.front())});
       } else {
