@@ -32,7 +32,8 @@ class OptionsReader : public ParameterReader {
 inline double readNumber(const ros::NodeHandle& nh, const std::string& key, double fallback, double least,
                          double greatest) {
   double value = fallback;
-  ParameterReader(nh)(key, value, "", polyfly::Range{least, greatest});
+  ParameterReader reader(nh);
+  reader(key, value, "", polyfly::Range{least, greatest});
   return value;
 }
 
