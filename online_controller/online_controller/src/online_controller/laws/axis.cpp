@@ -180,7 +180,7 @@ ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
     status = ControlStatus::kLeastViolation;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
-  report.region = lookup.region;
+  if (!law_->solvesOutside() || !law_->isSolved()) report.region = lookup.region;
   return status;
 }
 
