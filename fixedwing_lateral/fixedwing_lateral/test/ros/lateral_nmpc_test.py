@@ -363,7 +363,7 @@ class LateralNmpcTest(unittest.TestCase):
         for parameters, sentence in (({"weights/trakc": 1.0}, "/guidance/weights/trakc: unknown"),
                                      ({"weigths/track": 1.0}, "weigths: unknown group; is 'weights' meant?"),
                                      ({"horizon/step": -1.0}, "/guidance/horizon/step: must lie in"),
-                                     ({"guidance/delay": 0.1}, "parameter guidance/delay is removed: model/a1"),
+                                     ({"guidance/delay": 0.1}, "guidance/delay: is removed: model/a1"),
                                      ({"path/choose_side": True}, "is removed: guidance/as_published: true")):
             name = "refusal_%d" % abs(hash(sentence))
             guidance = Guidance(name, parameters)
