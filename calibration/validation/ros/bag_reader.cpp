@@ -229,7 +229,7 @@ class BagReader {
     reader_.scan({topics_.odometry, topics_.trajectory, topics_.pose, topics_.command, topics_.status,
                   topics_.disturbance, topics_.parameters},
                  progress);
-    prefix_ = reader_.findPrefix(topics_.name_space, topics_.command);
+    reader_.findNamespace(topics_.name_space, topics_.command);
   }
 
   FlightLog read() {
@@ -256,9 +256,7 @@ class BagReader {
   }
 
  private:
-  std::string fullName(const std::string& topic) const {
-    return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
-  }
+  std::string fullName(const std::string& topic) const { return reader_.fullName(topic); }
 
   template <class Message>
   std::function<void(const Message&, double)> addToLog() {
@@ -273,7 +271,7 @@ class BagReader {
   std::string parametersTopic() const {
     std::string shortest;
     for (const std::string& name : reader_.topicsOf<std_msgs::String>()) {
-      const bool fits = name.rfind(prefix_, 0) == 0 && polyfly::endsWith(name, "/" + topics_.parameters);
+      const bool fits = reader_.isOfVehicle(name) && polyfly::endsWith(name, "/" + topics_.parameters);
       if (fits && (shortest.empty() || name.size() < shortest.size())) shortest = name;
     }
     return shortest.empty() ? fullName(topics_.parameters) : shortest;
@@ -303,8 +301,6 @@ class BagReader {
   BagTopics topics_;
   TopicReader reader_;
   LogBuilder builder_;
-  // Prefix of the topics in the vehicle's namespace, with slashes on both sides.
-  std::string prefix_;
 };
 
 }  // namespace

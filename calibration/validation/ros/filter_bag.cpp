@@ -29,26 +29,23 @@ polyfly::FilterLog readFilterBag(const std::string& path, const FilterTopics& to
                                  const BagProgress& progress) {
   TopicReader reader({path});
   reader.scan({topics.odometry, topics.wish, topics.status}, progress);
-  const std::string prefix = reader.findPrefix(topics.name_space, topics.wish);
-  const auto fullName = [&prefix](const std::string& topic) {
-    return !topic.empty() && topic.front() == '/' ? topic : prefix + topic;
-  };
+  reader.findNamespace(topics.name_space, topics.wish);
   polyfly::FilterLog log;
   log.source = path;
-  reader.require<Wish>(fullName(topics.wish), "--wish", [&log](const Wish& message, double time) {
+  reader.require<Wish>(reader.fullName(topics.wish), "--wish", [&log](const Wish& message, double time) {
     log.wishes.push_back({time,
                           message.header.stamp.toSec(),
                           {message.roll, message.pitch, message.yaw_rate, message.thrust.z}});
   });
-  reader.require<nav_msgs::Odometry>(fullName(topics.odometry), "--odometry",
+  reader.require<nav_msgs::Odometry>(reader.fullName(topics.odometry), "--odometry",
                                      [&log](const nav_msgs::Odometry& message, double time) {
                                        log.odometry.push_back({time, toVehicleState(message)});
                                      });
-  reader.use<Status>(fullName(topics.status), [&log](const Status& message, double) {
+  reader.use<Status>(reader.fullName(topics.status), [&log](const Status& message, double) {
     log.statuses.push_back(toFilterStatus(message));
   });
   reader.read();
-  if (log.wishes.empty()) reader.missing(fullName(topics.wish));
+  if (log.wishes.empty()) reader.missing(reader.fullName(topics.wish));
   log.share = reader.share();
   log.remarks = reader.remarks();
   return log;

@@ -17,8 +17,8 @@ constexpr double kLatestRepeat = 1.0;
 
 using polyfly::Error;
 
-std::string TopicReader::findPrefix(const std::string& name_space, const std::string& command) const {
-  std::string prefix = "/" + name_space + "/";
+void TopicReader::findNamespace(const std::string& name_space, const std::string& command) {
+  prefix_ = "/" + name_space + "/";
   if (name_space.empty()) {
     std::vector<std::string> found;
     for (const std::string& topic : topicsOf<mav_msgs::RollPitchYawrateThrust>()) {
@@ -31,10 +31,9 @@ std::string TopicReader::findPrefix(const std::string& name_space, const std::st
       throw Error(path_ + ": holds commands of several vehicles, in the namespaces" + names +
                   ": choose one with --namespace");
     }
-    prefix = found.empty() ? "/" : found.front();
+    prefix_ = found.empty() ? "/" : found.front();
   }
-  while (prefix.find("//") != std::string::npos) prefix.erase(prefix.find("//"), 1);
-  return prefix;
+  while (prefix_.find("//") != std::string::npos) prefix_.erase(prefix_.find("//"), 1);
 }
 
 void TopicReader::scan(const std::vector<std::string>& names, const BagProgress& progress) {

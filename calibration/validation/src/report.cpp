@@ -249,10 +249,9 @@ Report reportOn(const ValidationReport& report) {
   addParameters(json["parameters"], &page.sections);
   page.sections.push_back(
       {"Coverage",
-       {"What the flight used of each parameter's range in the maps. Room: how far it "
-        "could still have moved alone before its map ended. Proposed: the range that would have held the "
-        "flight, with a "
-        "tenth of what was met beyond a passed end."},
+       {"What the flight used of each parameter's range in the maps. Room: how far it could still have moved "
+        "alone before its map ended. Proposed: the range that would have held the flight, with a tenth of "
+        "what was met beyond a passed end."},
        {},
        tableOf(rowsBelow(json["axes"], "parameters"), {{"axis", "/axis"},
                                                        {"parameter", "/name"},

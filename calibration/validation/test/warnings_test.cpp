@@ -101,17 +101,6 @@ TEST_F(Warnings, TellWhichClockJumped) {
   EXPECT_TRUE(has(validated(unstamped), "Topic /command: 6000 of 6000 messages have no stamp"));
 }
 
-TEST_F(Warnings, TellALossOfTheRecording) {
-  FlightLog log = syntheticFlight(maps_.axes());
-  log.share = RecordingShare{{1000.0, 1000.0}, {100.0, 100.0}, {10.0, 10.0}};
-  EXPECT_EQ(validated(log).verdict(), Verdict::kPassed);
-  log.share->messages.read = 999.0;
-  EXPECT_TRUE(has(validated(log), "Parts of the recording are lost"));
-  EXPECT_EQ(validated(log).verdict(), Verdict::kDoubtful);
-  log.share->messages.recorded.reset();
-  EXPECT_TRUE(has(validated(log), "The end of the recording is missing"));
-}
-
 // Odometry was silent: nothing is lost where the node noticed it.
 TEST_F(Warnings, TellAPauseThatTheNodeDidNotNotice) {
   for (const bool noticed : {false, true}) {

@@ -40,9 +40,17 @@ class TopicReader {
   /// Throws Error.
   void scan(const std::vector<std::string>& names, const BagProgress& progress);
 
-  /// The namespace of the vehicle with slashes on both sides. It is the given one. Where that is empty, it is the one
-  /// of the topic `command` of type mav_msgs/RollPitchYawrateThrust. Throws Error where there are several.
-  std::string findPrefix(const std::string& name_space, const std::string& command) const;
+  /// Takes the given namespace as the vehicle's. Where it is empty, it is that of the topic `command` of type
+  /// mav_msgs/RollPitchYawrateThrust. Throws Error where there are several.
+  void findNamespace(const std::string& name_space, const std::string& command);
+
+  /// The name of a topic that lies in the vehicle's namespace, unless it has a leading slash.
+  std::string fullName(const std::string& topic) const {
+    return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
+  }
+
+  /// Whether a topic lies in the vehicle's namespace.
+  bool isOfVehicle(const std::string& topic) const { return topic.rfind(prefix_, 0) == 0; }
 
   bool has(const std::string& topic) const { return types_.count(topic) > 0; }
 
@@ -126,6 +134,8 @@ class TopicReader {
   std::string path_;
   // Of each file.
   std::vector<polyfly::BagHealth> healths_;
+  // The vehicle's namespace, with slashes on both sides.
+  std::string prefix_ = "/";
   std::map<std::string, std::string> types_;
   // Checksums by topic.
   std::map<std::string, std::set<std::string>> definitions_;

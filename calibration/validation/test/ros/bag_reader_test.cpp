@@ -8,8 +8,6 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -23,11 +21,6 @@ namespace {
 
 using polyfly::FlightLog;
 using polyfly::SyntheticFlight;
-
-std::string contents(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 class BagReader : public testing::Test {
  protected:
@@ -352,33 +345,6 @@ TEST_F(BagReader, saysWhyNoReferenceIsUsable) {
 TEST_F(BagReader, refusesABagWithoutMessages) {
   rosbag::Bag(path(), rosbag::bagmode::Write).close();
   EXPECT_EQ(errorOf(), "holds no message");
-}
-
-// A bag that is cut anywhere gives the chunks before the cut, and says so; or what is missing in them.
-TEST_F(BagReader, readsWhatABagHeldBeforeItWasCutOff) {
-  FlightBagOptions options;
-  options.chunk_threshold = 4096;
-  writeFlightBag(log_, path(), options);
-  const std::string whole = contents(path());
-  constexpr std::size_t kCuts = 40;
-  std::size_t before = 0;
-  std::size_t read = 0;
-  for (std::size_t cut = 1; cut < kCuts; ++cut) {
-    const std::string part = whole.substr(0, whole.size() * cut / kCuts);
-    std::ofstream(path(), std::ios::binary | std::ios::trunc) << part;
-    try {
-      const FlightLog log = readBag(path(), {});
-      EXPECT_FALSE(log.remarks.empty()) << part.size();
-      EXPECT_GE(log.odometry.size(), before);
-      before = log.odometry.size();
-      ++read;
-    } catch (const polyfly::Error&) {
-      EXPECT_EQ(before, 0u) << part.size() << ": a longer part was refused, a shorter one was not";
-    }
-    EXPECT_EQ(contents(path()), part);
-  }
-  EXPECT_GT(read, kCuts / 4);
-  EXPECT_GT(before, 150u);
 }
 
 }  // namespace
