@@ -57,7 +57,7 @@ PACKAGES = {
     "calibration/bags": {"polyfly_base", "bags"},
     "calibration/report": {"polyfly_base", "map_plot", "bags", "report"},
     "calibration/identification": {"polyfly_base", "mpc_core", "bags", "report", "identification"},
-    "calibration/autopilot": {"polyfly_base", "identification", "autopilot"},
+    "calibration/autopilot": {"polyfly_base", "bags", "identification", "autopilot"},
     "calibration/excitation": {"polyfly_base", "online_controller", "excitation"},
     "calibration/excitation/ros": {"polyfly_base", "polyfly_ros", "online_controller", "online_controller_ros",
                                    "fixedwing_lateral_ros", "excitation", "excitation_ros"},
