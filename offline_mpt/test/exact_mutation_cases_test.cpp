@@ -12,7 +12,6 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
-#include "problem/signals.hpp"
 #include "random_program.hpp"
 #include "robust/read_map_certificate.hpp"
 
@@ -363,36 +362,6 @@ TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
               std::string::npos)
         << ids;
   }
-}
-
-TEST(CheckerInput, SignalsOfAMapAreThoseOfItsProblem) {
-  const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
-  const MapContent content = encode(program, explore(program));
-  const auto why = [](const MapContent& changed) {
-    const checker::Map map(bytesOf(changed));
-    try {
-      checker::matchSignals(map, map.problem);
-    } catch (const checker::Refused& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  ASSERT_EQ(why(content), "");
-  MapContent changed = content;
-  std::swap(changed.parameters[0].name, changed.parameters[1].name);
-  EXPECT_NE(why(changed).find("in the place of"), std::string::npos);
-  changed = content;
-  changed.inputs[0].unit = "m";
-  EXPECT_NE(why(changed).find("unit"), std::string::npos);
-  changed = content;
-  changed.inputs[0].upper = 3.0;
-  EXPECT_NE(why(changed).find("range"), std::string::npos);
-  changed = content;
-  changed.period = 0.1;
-  EXPECT_NE(why(changed).find("period"), std::string::npos);
-  changed = content;
-  changed.problem_kind = "yaml";
-  EXPECT_NE(why(changed).find("kind"), std::string::npos);
 }
 
 ParametricProgram inTinyUnits() {

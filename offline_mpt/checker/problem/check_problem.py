@@ -19,7 +19,7 @@ from safe_set import confirm_safe_set
 from signals import match_yaml_signals
 from tracking_problem import TrackingProblem
 
-VERSION = "0.3.0"
+VERSION = "@POLYFLY_VERSION@"
 USAGE = """\
 usage: check_problem CERTIFICATE --map MAP [--problem FILE] [--time-limit SECONDS]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
