@@ -118,6 +118,8 @@ class Install(unittest.TestCase):
         self.assertEqual({"calibrate", "check_certificate", "check_problem", "mission", "offline_mpt"}, set(tools))
         for tool in tools:
             self.assertRegex(run(os.path.join(self.prefix, "bin", tool), "--version"), r"^\w+ \d+\.\d+\.\d+\n$")
+        # One version of all.
+        self.assertEqual(1, len({run(os.path.join(self.prefix, "bin", tool), "--version").split()[1] for tool in tools}))
 
     def test_problem_files_are_installed(self):
         self.assertEqual({name for name in os.listdir(PROBLEMS) if name.endswith(".yaml")},

@@ -8,7 +8,6 @@
 #include "json_problem.hpp"
 #include "mutation.hpp"
 #include "polyfly_base/error.hpp"
-#include "problem/signals.hpp"
 #include "random_program.hpp"
 #include "robust/read_map_certificate.hpp"
 
@@ -295,31 +294,6 @@ TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
     other.replace(other.find("\"eq_ids\": []"), 12, std::string("\"eq_ids\": [") + ids + "]");
     EXPECT_TRUE(holds(refusalOfText(program, content, other), "eq_ids names what is not there")) << ids;
   }
-}
-
-TEST(CheckerInput, SignalsOfAMapAreThoseOfItsProblem) {
-  const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
-  const MapContent content = solved(program);
-  const auto why = [](const MapContent& changed) {
-    const checker::Map map(bytesOf(changed));
-    return refusalOf([&] { checker::matchSignals(map, map.problem); });
-  };
-  ASSERT_EQ(why(content), "");
-  MapContent changed = content;
-  std::swap(changed.parameters[0].name, changed.parameters[1].name);
-  EXPECT_TRUE(holds(why(changed), "in the place of"));
-  changed = content;
-  changed.inputs[0].unit = "m";
-  EXPECT_TRUE(holds(why(changed), "unit"));
-  changed = content;
-  changed.inputs[0].upper = 3.0;
-  EXPECT_TRUE(holds(why(changed), "range"));
-  changed = content;
-  changed.period = 0.1;
-  EXPECT_TRUE(holds(why(changed), "period"));
-  changed = content;
-  changed.problem_kind = "yaml";
-  EXPECT_TRUE(holds(why(changed), "kind"));
 }
 
 ParametricProgram inTinyUnits() {

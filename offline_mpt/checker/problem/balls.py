@@ -22,7 +22,7 @@ class Balls:
     def of(cls, matrix):
         """A matrix of fractions."""
         is_exact = all(UNIT % entry.denominator == 0 for row in matrix for entry in row)
-        return cls([[entry.numerator * UNIT // entry.denominator for entry in row] for row in matrix], 1 - is_exact)
+        return cls([[one.numerator * UNIT // one.denominator for one in row] for row in matrix], 1 - is_exact)
 
     @classmethod
     def zeros(cls, height, width):
@@ -113,7 +113,8 @@ def blocks(*lines):
 def solved(A, B):
     """A^-1 B. Refuses where A may be singular."""
     unit = Balls.identity(len(A.rows))
-    inverse = Balls(eliminated(blocks([A, unit]).rows, lambda a, b: a * b >> BITS, lambda a, b: a * UNIT // b))
+    rows = blocks([A, unit]).rows
+    inverse = Balls(eliminated(rows, lambda a, b: a * b >> BITS, lambda a, b: a * UNIT // b))
     # With Y about A^-1 and E = 1 - Y A, A^-1 B = (1 - E)^-1 Y B, at most |E| / (1 - |E|) |Y B| from Y B.
     error = (unit - inverse @ A).norm()
     require(error < 1, "a division by what may be zero")

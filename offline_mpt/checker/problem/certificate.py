@@ -11,9 +11,9 @@ TITLE, ROBUST_TITLE = "polyfly certificate 6", "polyfly robust certificate 2"
 PROGRAM = "box H f F A b S A_theta b_theta E C c".split()
 MODEL = "A B G drift C tie_gain state_shift input_shift range input_range".split()
 # Lines that state no number of the program.
-PROOFS = set("""tolerances basis convexity coverage regions region inside follows facet drop leaf outside near beyond sliver
-    dropped implied weights left_out dropped_follows tolerated tolerated_follows sliver_region sliver_cover half_space point
-    simplex""".split())
+PROOFS = set("""tolerances basis convexity coverage regions region inside follows facet drop leaf outside near
+    beyond sliver dropped implied weights left_out dropped_follows tolerated tolerated_follows sliver_region
+    sliver_cover half_space point simplex""".split())
 # Lines that occur several times.
 REPEATED = {"model", "state_range", "row"}
 
@@ -107,8 +107,8 @@ class Certificate:
         self.program = {name: matrix for name, (_, matrix) in read.items()}
         (n, _), (m, _), (k, _) = (read[name][0] for name in ("H", "A", "A_theta"))
         p, q = region_map.p, region_map.q
-        require_sizes(read, {"box": (p, 2), "H": (n, n), "f": (n, 1), "F": (n, p), "A": (m, n), "b": (m, 1), "S": (m, p),
-                             "A_theta": (k, p), "b_theta": (k, 1), "E": (q, n), "C": (q, p), "c": (q, 1)})
+        sizes = ((p, 2), (n, n), (n, 1), (n, p), (m, n), (m, 1), (m, p), (k, p), (k, 1), (q, n), (q, p), (q, 1))
+        require_sizes(read, dict(zip(PROGRAM, sizes)))
         require(self.program["box"] == region_map.box, "the box is not the map's")
         require(all(row < m for row in self.equalities), "equalities names no row")
 
@@ -135,7 +135,8 @@ class RobustCertificate(Certificate):
             self.state_ranges[count_of(state)] = fraction_of(lower), fraction_of(upper)
         self.predictions = count_of(*self._take("predictions"))
         require(self.predictions <= MOST_PREDICTIONS, "predictions is out of range")
-        self.rows = [whole_line(words, lambda words: self._row(words, p)) for words in self._lines.pop("row", [])]
+        lines = self._lines.pop("row", [])
+        self.rows = [whole_line(words, lambda words: self._row(words, p)) for words in lines]
         require(not self.equalities, "equalities of a robust program are not empty")
 
     def _read_models(self, p):
@@ -148,9 +149,8 @@ class RobustCertificate(Certificate):
         (nx, _), (_, channels), (outputs, _) = (read[name][0] for name in ("A", "G", "C"))
         require(channels <= MOST_CHANNELS, "model G: has too many channels")
         self._nx = nx
-        require_sizes(read, {"A": (nx, nx), "B": (nx, 1), "G": (nx, channels), "drift": (nx, 1), "C": (outputs, nx),
-                             "tie_gain": (1, nx), "feedback_gain": (1, nx), "state_shift": (p, nx),
-                             "input_shift": (p, 1), "range": (p, 2), "input_range": (1, 2)})
+        sizes = ((nx, nx), (nx, 1), (nx, channels), (nx, 1), (outputs, nx), (1, nx), (p, nx), (p, 1), (p, 2), (1, 2))
+        require_sizes(read, {"feedback_gain": (1, nx), **dict(zip(MODEL, sizes))})
 
     def _row(self, words, p):
         bound, *y = [fraction_of(next(words)) for _ in range(p + 3)]
@@ -160,7 +160,7 @@ class RobustCertificate(Certificate):
 
     def _sparse(self, words):
         entries = counted(words, lambda words: (count_of(next(words)), fraction_of(next(words))))
-        require(all(place < self.predictions for place, _ in entries), "a row names a prediction that is not there")
+        require(all(place < self.predictions for place, _ in entries), "a row names no prediction")
         require(len(dict(entries)) == len(entries), "a row names a prediction twice")
         return dict(entries)
 

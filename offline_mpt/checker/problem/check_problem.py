@@ -19,7 +19,7 @@ from safe_set import confirm_safe_set
 from signals import match_yaml_signals
 from tracking_problem import TrackingProblem
 
-VERSION = "0.3.0"
+VERSION = "@POLYFLY_VERSION@"
 USAGE = """\
 usage: check_problem CERTIFICATE --map MAP [--problem FILE] [--time-limit SECONDS]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
@@ -29,7 +29,7 @@ the model and all rows of the certificate are those of the file, and its invaria
 safety_filter, the safe set is one, and answers in it keep the state there. Of a program in JSON, each number
 is compared. Names, units and ranges of the map's parameters and inputs, and its period, are those of the
 problem too.
-With --problem, MAP must carry the text of that file; of a safety filter, that text and the safe set behind it.
+With --problem, MAP must carry the text of that file; of a safety filter, then the safe set behind it.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out; 3 stopped at
 the time limit.
 """

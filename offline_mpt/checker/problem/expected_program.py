@@ -27,8 +27,8 @@ class Condensing:
 
     def __init__(self, problem):
         self._problem = problem
-        self._system = DiscreteSystem(problem.A, problem.B, problem.B_d) if problem.is_discrete else discretised(
-            problem.A, problem.B, problem.B_d, problem.sampling_time)
+        model = problem.A, problem.B, problem.B_d
+        self._system = DiscreteSystem(*model) if problem.is_discrete else discretised(*model, problem.sampling_time)
         self._nx, self._nu = problem.size
         self._inputs = self._next_slack = len(problem.blocks) * self._nu
         stages = sum(problem.blocks)
@@ -55,7 +55,7 @@ class Condensing:
         return Balls.of(rows)
 
     def _has(self, role, index):
-        return any((parameter.role, parameter.index) == (role, index) for parameter in self._problem.parameters)
+        return (role, index) in [(parameter.role, parameter.index) for parameter in self._problem.parameters]
 
     def _set_given(self):
         """What theta says: e_0, references, the drift of the errors, and u_{-1} - u_ref, which the first input is compared
@@ -70,11 +70,14 @@ class Condensing:
             self._x_ref, self._u_ref = steady.part(0, 0, nx, self._width), steady.part(nx, 0, nu, self._width)
             error, self._drift = self._columns_of("state", nx) - self._x_ref, self._zeros(nx)
         else:
-            self._x_ref, self._u_ref = self._columns_of("state_reference", nx), self._columns_of("input_reference", nu)
+            self._x_ref = self._columns_of("state_reference", nx)
+            self._u_ref = self._columns_of("input_reference", nu)
             error, self._drift = self._columns_of("error", nx), drift
         before = self._columns_of("previous_input", nu) - self._u_ref
-        self._before = blocks(*([before.part(i, 0, 1, self._width) if self._has("previous_input", i) else self._zeros(1)]
-                                for i in range(nu)))
+        for i in range(nu):
+            if not self._has("previous_input", i):
+                before.rows[i] = [0] * self._width
+        self._before = before
         # e_0 .. e_N and u~_0 .. u~_{N-1}
         self._errors, self._values = [error], []
 
@@ -127,7 +130,8 @@ class Condensing:
     def _add_row(self, value, i, sign, bound, slack=None, is_equality=False):
         """Row i of sign v <= sign bound, less a slack; none for an infinite bound."""
         if bound is not None:
-            on_z, on_theta = ([sign * entry for entry in row] for row in (value.rows[i][:self._n], value.rows[i][self._n:]))
+            row = [sign * entry for entry in value.rows[i]]
+            on_z, on_theta = row[:self._n], row[self._n:]
             if slack is not None:
                 on_z[slack] = -UNIT
             exact = Balls.of([[sign * bound]])

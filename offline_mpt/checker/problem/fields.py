@@ -111,7 +111,7 @@ def number_or(node, key, absent):
 
 def count_of(node):
     value = number_of(node)
-    require(0 <= value <= MOST_COUNT and value.denominator == 1, f"problem: {node} is no whole number in range")
+    require(0 <= value <= MOST_COUNT and value.denominator == 1, f"problem: {node} is no count in range")
     return int(value)
 
 
@@ -133,4 +133,4 @@ def matrix_of(node, height, width, read=number_of):
 def weight_of(node, size, read=number_of):
     """A matrix, or its diagonal."""
     is_matrix = isinstance(node, list) and node and isinstance(node[0], list)
-    return matrix_of(node, size, size, read) if is_matrix else diagonal(list_of(node, size, read), Fraction(0))
+    return matrix_of(node, size, size, read) if is_matrix else diagonal(list_of(node, size, read))

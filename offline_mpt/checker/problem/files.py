@@ -9,7 +9,8 @@ from exact import Refused, require
 MOST_BYTES = 1 << 33
 
 MASK = (1 << 64) - 1
-PRIMES = 11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261
+PRIMES = (11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579,
+          2870177450012600261)
 STRIPE = 32
 
 
@@ -71,9 +72,10 @@ def xxh64(content):
             value = (value ^ mixed(0, lane)) * PRIMES[0] + PRIMES[3] & MASK
     value = value + len(content) & MASK
     rest = content[end:]
-    for width, mix, bits, factor, added in ((8, lambda word: mixed(0, word), 27, PRIMES[0], PRIMES[3]),
-                                            (4, lambda word: word * PRIMES[0] & MASK, 23, PRIMES[1], PRIMES[2]),
-                                            (1, lambda word: word * PRIMES[4] & MASK, 11, PRIMES[0], 0)):
+    for width, mix, bits, factor, added in (
+            (8, lambda word: mixed(0, word), 27, PRIMES[0], PRIMES[3]),
+            (4, lambda word: word * PRIMES[0] & MASK, 23, PRIMES[1], PRIMES[2]),
+            (1, lambda word: word * PRIMES[4] & MASK, 11, PRIMES[0], 0)):
         while len(rest) >= width:
             word, rest = int.from_bytes(rest[:width], "little"), rest[width:]
             value = rotated(value ^ mix(word), bits) * factor + added & MASK

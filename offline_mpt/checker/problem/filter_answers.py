@@ -18,10 +18,12 @@ class Answers:
     def __init__(self, problem, region_map):
         self._problem, self._map = problem, region_map
         self._n, self._p = problem.size, problem.size + len(problem.inputs)
-        require((region_map.p, region_map.q) == (self._p, len(problem.inputs)), "the map has another number of signals")
+        sizes = self._p, len(problem.inputs)
+        require((region_map.p, region_map.q) == sizes, "the map has another number of signals")
         slack = FilterModel(problem).slack
         # What the margin is worth in each row. Rows without an input hold in all of the safe set.
-        self._rows = [(i, problem.b[i] + dot(map(abs, problem.H[i]), slack)) for i, row in enumerate(problem.G) if any(row)]
+        bounds = [bound + dot(map(abs, row), slack) for row, bound in zip(problem.H, problem.b)]
+        self._rows = [(i, bound) for i, bound in enumerate(bounds) if any(problem.G[i])]
         self._everywhere = box_of(region_map.box, 0, self._p) + problem.set_rows(self._p)
 
     def confirm(self):

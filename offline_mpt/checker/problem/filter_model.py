@@ -22,8 +22,8 @@ class FilterModel:
         late = discretised(problem.A, problem.B, problem.B_d, problem.sampling_time - problem.delay).B
         self.A, self.B, self.c = whole.A, late, whole.B_d @ middles(problem.disturbances)
         self.W = column_of(uncertainty_of(problem, whole.A))
-        insets = [error + excursion for error, excursion in zip(problem.state_errors, column_of(excursion_of(problem)))]
-        self.ranges = [(lower + inset, upper - inset) for (lower, upper), inset in zip(problem.states, insets)]
+        insets = map(Fraction.__add__, problem.state_errors, column_of(excursion_of(problem)))
+        self.ranges = [(ends[0] + inset, ends[1] - inset) for ends, inset in zip(problem.states, insets)]
         if problem.delay:
             # The input before acts until the new one does.
             self.A = blocks([whole.A, whole.B - late], [Balls.zeros(nu, nx + nu)])
@@ -89,4 +89,5 @@ def second_derivative(problem, change):
     on_state, on_input = problem.A @ problem.A, problem.A @ problem.B
     middle = (on_state @ middles(problem.states) + on_input @ middles(problem.inputs) +
               problem.A @ problem.B_d @ middles(problem.disturbances))
-    return abs(middle) + abs(on_state) @ halves(problem.states) + abs(on_input) @ (halves(problem.inputs) + change)
+    on_halves = abs(on_state) @ halves(problem.states) + abs(on_input) @ (halves(problem.inputs) + change)
+    return abs(middle) + on_halves

@@ -82,19 +82,20 @@ def match_filter(certificate, problem):
     """Shows that the program of a certificate is that of a safety filter and its safe set, number by number: minimise the sum
     of weight (u - wish)^2 / 2 over z = u, with theta = (xi, wish)."""
     n, nu = problem.size, len(problem.inputs)
-    zeros, on_xi = [[0] * (n + nu)] * nu, [[0] * n] * nu
+    weights = diagonal(problem.weights)
     before = problem.inputs if problem.delay else []
     wanted = {"box": [list(ends) for ends in problem.states + before + problem.wishes],
-              "H": diagonal(problem.weights), "f": [[0]] * nu, "E": diagonal([1] * nu), "C": zeros, "c": [[0]] * nu,
-              "F": [zero + row for zero, row in zip(on_xi, diagonal([-weight for weight in problem.weights]))]}
+              "H": weights, "f": [[0]] * nu, "E": diagonal([1] * nu), "C": [[0] * (n + nu)] * nu,
+              "c": [[0]] * nu, "F": [[0] * n + [-entry for entry in row] for row in weights]}
     program = certificate.program
     for name, matrix in wanted.items():
         require(program[name] == matrix, f"{name} is not that of the problem")
     rows = [A + S + b for A, S, b in zip(program["A"], program["S"], program["b"])]
-    rows += [[0] * nu + [-entry for entry in row] + bound for row, bound in zip(program["A_theta"], program["b_theta"])]
+    without_u = zip(program["A_theta"], program["b_theta"])
+    rows += [[0] * nu + [-entry for entry in row] + bound for row, bound in without_u]
     expected = [G + M + [0] * nu + [bound] for G, M, bound in zip(problem.G, problem.M, problem.b)]
     for j, (lower, upper) in enumerate(problem.inputs):
         for sign, bound in ((1, upper), (-1, -lower)):
             expected.append([sign * (i == j) for i in range(nu)] + [0] * (n + nu) + [bound])
-    require(sorted(rows) == sorted(expected), "a row of the program is none of the problem, or one is missing")
+    require(sorted(rows) == sorted(expected), "the rows are not those of the problem")
     require(not certificate.equalities, "a safety filter has no equalities")

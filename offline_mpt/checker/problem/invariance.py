@@ -20,7 +20,8 @@ class Invariance:
         invariant_set = Polyhedron(rows)
         require(all(map(invariant_set.is_within, self._state_bounds())),
                 "a bound of a state does not hold in all of the invariant set")
-        require(all(map(invariant_set.is_within, self._led(rows))), "the set that the problem calls invariant is not")
+        is_invariant = all(map(invariant_set.is_within, self._led(rows)))
+        require(is_invariant, "the set that the problem calls invariant is not")
 
     def is_greatest(self, rows):
         """Whether it is shown that each such set within the ranges of the references lies in this one. It tries few steps. A

@@ -1,18 +1,18 @@
 """A problem that is a program in JSON: its numbers are those of the certificate."""
-from exact import diagonal, require
+from exact import require
 from fields import document_of, number_of
 from signals import INFINITE, Signal, match_signals
 
 # Keys of the file and names of the certificate.
-MATRICES = {"H": "H", "f": "f", "F": "F", "A": "A", "b": "b", "B": "S", "A_theta": "A_theta", "b_theta": "b_theta"}
-OUTPUTS = {"E": "E", "C": "C", "c": "c"}
+MATRICES = [*zip("H f F A b B A_theta b_theta".split(), "H f F A b S A_theta b_theta".split())]
+OUTPUTS = [*zip("ECc", "ECc")]
 
 
 def numbers_of(node):
     """All numbers of nested lists, in order; none of what is missing."""
     if node == "null" or node is None:
         return []
-    return [number for item in node for number in numbers_of(item)] if isinstance(node, list) else [number_of(node)]
+    return flat(map(numbers_of, node)) if isinstance(node, list) else [number_of(node)]
 
 
 def flat(matrix):
@@ -21,10 +21,11 @@ def flat(matrix):
 
 def match_json(certificate, text, region_map):
     """Shows that each number of the certificate's program is that of the problem, and that signals and period are."""
+    p, q = region_map.p, region_map.q
     # No string of JSON has a tab.
     root, program = document_of(text.replace("\t", " ")), certificate.program
     has_outputs = bool(numbers_of(root.get("E")))
-    for key, name in {**MATRICES, **(OUTPUTS if has_outputs else {})}.items():
+    for key, name in MATRICES + (OUTPUTS if has_outputs else []):
         require(flat(program[name]) == numbers_of(root.get(key)), f"{key} is not that of the problem file")
     ranges = list(zip(numbers_of(root["lb"]), numbers_of(root["ub"])))
     require(list(map(tuple, program["box"])) == ranges, "lb or ub is not that of the problem file")
@@ -34,11 +35,12 @@ def match_json(certificate, text, region_map):
         # u are the entries of z that `out` names; without that too, all of z. Nothing is added.
         places = range(len(program["H"]))
         out = numbers_of(root.get("out")) or places
-        require(set(out) <= set(places) and program["E"] == [diagonal([1] * len(places))[int(place)] for place in out],
-                "out is not that of the problem file")
+        wanted = [[int(place == j) for j in places] for place in out if place in places]
+        require(program["E"] == wanted, "out is not that of the problem file")
         require(not any(flat(program["C"] + program["c"])), "C or c is not that of the problem file")
-    signals = [Signal(*names, *ends) for names, ends in zip(names_of(root, "parameters", "theta_", region_map.p), ranges)]
-    for names, node in zip(names_of(root, "inputs", "u_", region_map.q), root.get("inputs", [{}] * region_map.q)):
+    parameters, inputs = (names_of(root, *key) for key in (("parameters", "theta_", p), ("inputs", "u_", q)))
+    signals = [Signal(*names, *ends) for names, ends in zip(parameters, ranges)]
+    for names, node in zip(inputs, root.get("inputs", [{}] * q)):
         lower, upper = (numbers_of(node.get(end)) for end in ("lower", "upper"))
         signals.append(Signal(*names, *(lower or [-INFINITE]), *(upper or [INFINITE])))
     match_signals(region_map, signals, *(numbers_of(root.get("period")) or [0]))

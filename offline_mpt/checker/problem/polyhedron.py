@@ -2,7 +2,7 @@
 rows; what counts is that they are checked."""
 from fractions import Fraction
 
-from exact import Refused, dot, require, whole
+from exact import Refused, diagonal, dot, require, whole
 
 # Half the width of a box in which maxima are sought. A maximum at its sides proves nothing.
 BOX = 1 << 100
@@ -22,7 +22,8 @@ def side(size, entry, sign, bound):
 
 def box_of(ranges, first, size):
     """The sides of ranges of the entries from `first` on."""
-    return [side(size, j, *end) for j, (lower, upper) in enumerate(ranges, first) for end in ((1, upper), (-1, -lower))]
+    sides = [((1, upper), (-1, -lower)) for lower, upper in ranges]
+    return [side(size, j, *end) for j, ends in enumerate(sides, first) for end in ends]
 
 
 class Vertex:
@@ -39,7 +40,7 @@ class Vertex:
     def exchanged(self, leaving, place, products):
         """With another row in place of one; `products` are those of the new row."""
         pivot, kept = products[leaving], self.directions[leaving]
-        directions = [[(pivot * entry - product * other) // self.determinant for entry, other in zip(direction, kept)]
+        directions = [[(pivot * own - product * other) // self.determinant for own, other in zip(direction, kept)]
                       for direction, product in zip(self.directions, products)]
         directions[leaving] = kept
         places = self.places[:leaving] + [place] + self.places[leaving + 1:]
@@ -78,7 +79,8 @@ class Polyhedron:
         if entered is None:
             return False
         products = vertex.products(self._rows[entered][:-1])
-        total = self._sum([entered, *vertex.places], [vertex.determinant, *(-product for product in products)])
+        weights = [vertex.determinant, *(-product for product in products)]
+        total = self._sum([entered, *vertex.places], weights)
         return total is not None and total[-1] < 0 and not any(total[:-1])
 
     def has_point(self):
@@ -128,7 +130,7 @@ class Polyhedron:
         # The vertex of the box at which the function is greatest.
         signs = [-1 if entry < 0 else 1 for entry in function]
         places = [2 * (j - self._size) + (sign < 0) for j, sign in enumerate(signs)]
-        vertex = Vertex(places, [[sign * (i == j) for i in range(self._size)] for j, sign in enumerate(signs)], 1)
+        vertex = Vertex(places, diagonal(signs), 1)
         for pivots in range(MOST_PIVOTS + MOST_BLAND_PIVOTS):
             entered = self._entering(vertex, pivots >= MOST_PIVOTS)
             if entered is None:

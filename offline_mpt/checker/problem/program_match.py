@@ -67,8 +67,8 @@ class Match:
         rows, without_z = self._balls("A S b"), self._balls("A_theta b_theta")
         actual = [(row[:n], row[n:-1], row[-1:], i in self._equalities) for i, row in enumerate(rows.rows)]
         actual += [([0] * n, [-entry for entry in row[:-1]], row[-1:], False) for row in without_z.rows]
-        require(all(len(on_theta) == p for _, on_theta, _, _ in actual), "a row has another size than the problem")
-        require(len(actual) == len(expected), f"the program has {len(actual)} rows, the problem {len(expected)}")
+        require(all(len(on_theta) == p for _, on_theta, _, _ in actual), "the rows have another size")
+        require(len(actual) == len(expected), f"there are {len(actual)} rows, of the problem {len(expected)}")
         for k, row in enumerate(expected):
             radius = row.radius + rows.radius + without_z.radius
             for place, (*parts, is_equality) in enumerate(actual):
@@ -87,7 +87,8 @@ def match_expected(certificate, problem, expected):
     ranges = [list(parameter.range) for parameter in problem.free]
     require(certificate.program["box"] == ranges, "the range of a parameter is not that of the problem")
     require(len(certificate.program["H"]) == len(expected.H.rows), "H: has another size than the problem")
-    effect = RoundingEffect(certificate.program, ranges, problem.inputs, len(problem.blocks) * len(problem.inputs))
+    moves = len(problem.blocks) * len(problem.inputs)
+    effect = RoundingEffect(certificate.program, ranges, problem.inputs, moves)
     match = Match(certificate, expected, effect)
     effect.add_cost(expected)
     share = effect.of_inputs(expected.C)

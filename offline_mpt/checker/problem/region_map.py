@@ -39,7 +39,7 @@ class RegionMap:
         require(0 <= self.tolerance <= MOST_TOLERANCE, "the map's tolerance is out of range")
         require(fallbacks == 0, "the map has fallback regions: reduce the original map again")
         require(reserved == 0, "the reserved bytes of the map are not zero")
-        require(1 <= self.p <= MOST_SIGNALS and 1 <= self.q <= MOST_SIGNALS, "the map's sizes are out of range")
+        require(all(1 <= count <= MOST_SIGNALS for count in (self.p, self.q)), "the map's sizes are out of range")
         self._read_text()
         self._read_tables()
 
@@ -57,12 +57,13 @@ class RegionMap:
         require(not end and len(words) == WORDS_BEFORE_SIGNALS + 2 * (self.p + self.q),
                 "the map's text is not as it must be")
         self.problem_bytes = words[1]
-        _, self.problem, self.kind, _, _, *signals = [word.decode("utf-8", "surrogateescape") for word in words]
+        words = [word.decode("utf-8", "surrogateescape") for word in words]
+        (self.problem, self.kind), signals = words[1:3], words[WORDS_BEFORE_SIGNALS:]
         self.names, self.units = signals[::2], signals[1::2]
 
     def _numbers(self, index, count):
         rows = self._section(index, f"<{count}d")
-        require(all(isfinite(entry) for row in rows for entry in row), "the map has an entry that is no number")
+        require(all(all(map(isfinite, row)) for row in rows), "the map has an entry that is no number")
         return [[*map(Fraction, row)] for row in rows]
 
     def _read_tables(self):
@@ -73,7 +74,8 @@ class RegionMap:
                 "a parameter has no range")
         self.box = [[*map(Fraction, ends)] for ends in self.bounds[:self.p]]
         self.planes = self._numbers(2, width)
-        self.laws = [[law[at:at + width] for at in range(0, len(law), width)] for law in self._numbers(3, width * self.q)]
+        starts, laws = range(0, self.q * width, width), self._numbers(3, self.q * width)
+        self.laws = [[law[at:at + width] for at in starts] for law in laws]
         self.regions = [Region(*numbers) for numbers in self._section(4, "<5I")]
         self.rows = [row for row, in self._section(5, "<i")]
         require(all(0 < abs(row) <= len(self.planes) for row in self.rows), "a row of the map names no plane")
@@ -81,6 +83,6 @@ class RegionMap:
                     for region in self.regions), "a region of the map reaches beyond its tables")
         # Tolerances are distances only where every plane has the length 1 in scaled parameters.
         for plane in self.planes:
-            squared = sum(((upper - lower) / 2 * entry) ** 2 for (lower, upper), entry in zip(self.box, plane))
+            squared = sum(((ends[1] - ends[0]) / 2 * entry) ** 2 for ends, entry in zip(self.box, plane))
             require(abs(squared - 1) <= MOST_LENGTH_ERROR,
                     "a plane of the map has another length than 1 in scaled parameters")

@@ -1,9 +1,10 @@
 """What a certificate of a robust map has to do with its problem file."""
 from collections import namedtuple
 from fractions import Fraction
+from operator import truediv
 
 from balls import Balls
-from exact import require
+from exact import dot, require
 from invariance import Invariance
 from optimal_control import DiscreteSystem, discretised, gain_of, terminal_weight
 from robust_rows import match_rows
@@ -42,7 +43,7 @@ class ModelMatch:
         errors, unit = Balls.of(actual) - expected, Fraction(1, 1 << self._problem.bits)
         for i, row in enumerate(actual):
             size, difference = max(map(abs, row), default=0), max(errors.greatest_of(i), default=Fraction(0))
-            require(difference <= unit + TOLERANCE * size, f"model {name}: row {i} is not that of the problem")
+            require(difference <= unit + TOLERANCE * size, f"model {name}: row {i} is another one")
             if size > 0:
                 self.greatest = max(self.greatest, difference / size)
 
@@ -51,14 +52,14 @@ class ModelMatch:
         ranges = problem.disturbances
         require(len(models["G"][0]) == len(ranges), "model G: has another size than the problem")
         # The effect of the disturbances themselves, from that of their half widths.
-        G = [[entry / (upper - lower) * 2 for entry, (lower, upper) in zip(row, ranges)] for row in models["G"]]
-        self._require_equal(drift=[[sum(entry * (lower + upper) / 2 for entry, (lower, upper) in zip(row, ranges))]
-                                   for row in G])
+        halves, middles = ([(upper + sign * lower) / 2 for lower, upper in ranges] for sign in (-1, 1))
+        G = [list(map(truediv, row, halves)) for row in models["G"]]
+        self._require_equal(drift=[[dot(row, middles)] for row in G])
         if problem.is_discrete:
             self._require_equal(A=problem.A, B=problem.B)
             require(G == problem.G, "model G is not that of the problem")
             return
-        system = discretised(Balls.of(problem.A), Balls.of(problem.B), Balls.of(problem.G), problem.sampling_time)
+        system = discretised(*map(Balls.of, (problem.A, problem.B, problem.G)), problem.sampling_time)
         self._require_near("A", models["A"], system.A)
         self._require_near("B", models["B"], system.B)
         self._require_near("G", G, system.B_d)
@@ -88,4 +89,5 @@ def match_robust(certificate, problem, region_map):
         return RobustMatch(float(model.greatest), count, 0, False)
     invariance = Invariance(certificate.models, problem)
     invariance.confirm(invariant_set)
-    return RobustMatch(float(model.greatest), count, len(invariant_set), invariance.is_greatest(invariant_set))
+    is_greatest = invariance.is_greatest(invariant_set)
+    return RobustMatch(float(model.greatest), count, len(invariant_set), is_greatest)

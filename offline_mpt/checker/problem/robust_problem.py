@@ -3,8 +3,8 @@ from collections import namedtuple
 from fractions import Fraction
 
 from exact import require
-from fields import (choice_of, count_of, document_of, exact_of, items_of, list_of, matrix_of, number_of, number_or,
-                    range_of, require_head, require_keys, weight_of)
+from fields import (choice_of, count_of, document_of, exact_of, items_of, list_of, matrix_of, number_of,
+                    number_or, range_of, require_head, require_keys, weight_of)
 
 MOST_STAGES = 40
 LEAST_BITS, BITS, MOST_BITS = 8, 40, 200
@@ -18,8 +18,8 @@ class RobustProblem:
 
     def __init__(self, text):
         root = document_of(text)
-        require_head(root, "robust_mpc", "provenance model sampling_time horizon stack feedback_predictions feedback_gain "
-                                         "tie_break floor invariance peak_in_map parameters")
+        require_head(root, "robust_mpc", "provenance model sampling_time horizon stack feedback_predictions "
+                                         "feedback_gain tie_break floor invariance peak_in_map parameters")
         self.sampling_time, self.horizon = number_of(root["sampling_time"]), count_of(root["horizon"])
         require(self.sampling_time > 0 and 2 <= self.horizon <= MOST_STAGES,
                 "problem: sampling_time or horizon is out of range")
@@ -39,10 +39,12 @@ class RobustProblem:
 
     def _read_model(self, model):
         require_keys(model, "time bits states inputs disturbances A B G C delay")
-        states, inputs, disturbances = (items_of(model, key, "name unit range") for key in ("states", "inputs", "disturbances"))
+        kinds = "states", "inputs", "disturbances"
+        states, inputs, disturbances = (items_of(model, kind, "name unit range") for kind in kinds)
         require(states and len(inputs) == 1, "problem: one input is needed, and a state")
         self._states = [state["name"] for state in states]
-        self.state_ranges = {i: range_of(state["range"], exact_of) for i, state in enumerate(states) if "range" in state}
+        bounded = [(i, state["range"]) for i, state in enumerate(states) if "range" in state]
+        self.state_ranges = {i: range_of(ends, exact_of) for i, ends in bounded}
         self.input_range = range_of(inputs[0]["range"], exact_of)
         self.disturbances = [range_of(disturbance["range"], exact_of) for disturbance in disturbances]
         require(number_or(model, "delay", 0) >= 0, "problem: delay is negative")
@@ -50,8 +52,9 @@ class RobustProblem:
         # Model and computed gains are rounded to multiples of 2^-bits.
         self.bits = int(number_or(model, "bits", BITS))
         require(LEAST_BITS <= self.bits <= MOST_BITS, "problem: bits is out of range")
-        nx, widths = len(states), {"A": len(states), "B": 1, "G": len(disturbances)}
-        self.A, self.B, self.G = (matrix_of(model[name], nx, width, exact_of) for name, width in widths.items())
+        nx = len(states)
+        self.A, self.B = matrix_of(model["A"], nx, nx, exact_of), matrix_of(model["B"], nx, 1, exact_of)
+        self.G = matrix_of(model["G"], nx, len(disturbances), exact_of)
         self.C = matrix_of(model["C"], len(model["C"]), nx, exact_of)
 
     def _gain_of(self, node):
@@ -76,5 +79,5 @@ class RobustProblem:
                 shifts = list_of(parameter["state"], nx, exact_of), list_of(parameter["input"], 1, exact_of)
             self.state_shift.append(shifts[0])
             self.input_shift.append(shifts[1])
-        require(errors.keys() == set(self._states), "problem: not each state has one error among the parameters")
+        require(errors.keys() == set(self._states), "problem: not each state has an error as parameter")
         self.errors = [errors[state] for state in self._states]

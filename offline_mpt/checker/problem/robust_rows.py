@@ -66,8 +66,8 @@ class ExpectedRows:
     def _feedback(self, k):
         """What disturbances before stage k add to its input."""
         if self._problem.feedback == "fixed":
-            disturbed = [{place: factor for place, factor in error.items() if place[0] != NONE} for error in self._errors[k]]
-            return summed(*zip(self._models["feedback_gain"][0], disturbed))
+            value = summed(*zip(self._models["feedback_gain"][0], self._errors[k]))
+            return {place: factor for place, factor in value.items() if place[0] != NONE}
         channels = range(self._channels if self._problem.feedback == "free" else 0)
         return {(i * self._channels + channel, self._plan(self._feedback_place(k, i, channel))): Fraction(1)
                 for i in range(k) for channel in channels}
@@ -76,7 +76,7 @@ class ExpectedRows:
         """e_{k+1}"""
         models = [self._models[name] for name in ("A", "B", "drift", "G")]
         return [summed(*zip(A, self._errors[k]), (B, self._inputs[k]), (drift, one(NONE)),
-                       *((effect, {(k * self._channels + channel, NONE): 1}) for channel, effect in enumerate(G)))
+                       *((effect, {(place, NONE): 1}) for place, effect in enumerate(G, k * self._channels)))
                 for A, (B,), (drift,), G in zip(*models)]
 
     def rows(self):
@@ -109,8 +109,8 @@ class ExpectedRows:
         direction = [normal[error] for error in self._problem.errors]
         stage = 1 if self._problem.invariance == "first_step" else self._last_stage
         for _ in range(stage):
-            direction = [entry for entry, in eliminated(
-                [[*column, entry] for column, entry in zip(zip(*self._models["A"]), direction)], mul, truediv)]
+            rows = [[*column, entry] for column, entry in zip(zip(*self._models["A"]), direction)]
+            direction = [entry for entry, in eliminated(rows, mul, truediv)]
         for error in self._problem.errors:
             normal[error] = Fraction(0)
         expected = shifted(summed(*zip(direction, self._errors[stage])), normal)
@@ -137,7 +137,7 @@ def match_rows(certificate, problem):
     """Finds each row of the problem in the certificate as often as it occurs. Other rows are refused, but for those of
     `invariance`. Returns the number of rows of the problem, and the half-spaces of the invariant set."""
     expected = ExpectedRows(certificate.models, problem)
-    require(certificate.predictions == expected.predictions(), "the plan has another size than that of the problem")
+    require(certificate.predictions == expected.predictions(), "the plan has another size")
     left = defaultdict(list)
     for row in map(expected.value_of, certificate.rows):
         left[said_by(*row)].append(row)

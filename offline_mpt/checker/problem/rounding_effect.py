@@ -10,7 +10,8 @@ ROOT_BITS = 300
 
 def root_above(square):
     """At least the root, of a fraction."""
-    return Fraction(isqrt((max(square.numerator, 0) << 2 * ROOT_BITS) // square.denominator) + 1, 1 << ROOT_BITS)
+    whole = (max(square.numerator, 0) << 2 * ROOT_BITS) // square.denominator
+    return Fraction(isqrt(whole) + 1, 1 << ROOT_BITS)
 
 
 class RoundingEffect:

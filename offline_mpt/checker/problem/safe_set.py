@@ -15,7 +15,8 @@ def confirm_safe_set(problem):
     require(all(map(safe_set.is_within, box_of(model.ranges, 0, problem.size))),
             "the safe set is not within the ranges less errors and excursions")
     for row in rows_with_an_input(problem):
-        require(safe_set.is_within(row[:problem.size] + row[-1:]), "a state of the safe set has no admissible input")
+        is_within = safe_set.is_within(row[:problem.size] + row[-1:])
+        require(is_within, "a state of the safe set has no admissible input")
 
 
 def greatest_in(value, radius, ends):
@@ -32,7 +33,7 @@ def require_kept(problem, model):
     for i, (row, bound) in enumerate(zip(problem.H, problem.k)):
         following = problem.b[i] + constant.upper(i, 0) + dot(map(abs, row), allowed)
         for balls, ranges in ((on_xi, model.ranges), (on_u, problem.inputs)):
-            following += sum(greatest_in(value, balls.radius, ends) for value, ends in zip(balls.rows[i], ranges))
+            following += sum(greatest_in(value, balls.radius, own) for value, own in zip(balls.rows[i], ranges))
         require(following <= bound, f"row {i} of G, b, M does not keep row {i} of H, k")
 
 
@@ -40,7 +41,8 @@ def rows_with_an_input(problem):
     """What xi must meet so that an admissible input exists. The inputs, entries behind xi, are eliminated one by one."""
     n, nu = problem.size, len(problem.inputs)
     rows = problem.set_rows(n + nu) + box_of(problem.inputs, n, n + nu)
-    rows += [half_space([*(-entry for entry in M), *G], bound) for M, G, bound in zip(problem.M, problem.G, problem.b)]
+    admissible = zip(problem.M, problem.G, problem.b)
+    rows += [half_space([*(-entry for entry in M), *G], bound) for M, G, bound in admissible]
     for j in range(n, n + nu):
         rows = without_entry(without_implied(rows) if j > n else rows, j)
     return rows

@@ -20,7 +20,7 @@ def signal_of(node, key="range", ending=""):
 
 def signals_of_model(root):
     """Of a file of type tracking_mpc or robust_mpc; a parameter with a value is no entry of theta."""
-    nodes = [parameter for parameter in root["parameters"] if "value" not in parameter] + root["model"]["inputs"]
+    nodes = [node for node in root["parameters"] if "value" not in node] + root["model"]["inputs"]
     peak = Signal("tau", "1", exact_of(root["floor"]) if "floor" in root else Fraction(0), INFINITE)
     return [*map(signal_of, nodes), *([peak] if root.get("peak_in_map") == "true" else [])]
 
@@ -47,7 +47,7 @@ def match_signals(region_map, signals, period):
     for wanted, (name, unit, ends) in zip(signals, in_map):
         require(name == wanted.name, f"the map has the signal {name} in the place of {wanted.name}")
         require(unit == wanted.unit, f"{name}: its unit is another one")
-        require(all(map(is_same, ends, (wanted.lower, wanted.upper))), f"{name}: its range is not that of the problem")
+        require(all(map(is_same, ends, wanted[2:])), f"{name}: its range is not that of the problem")
     require(region_map.period == period, "the map's period is not that of the problem")
 
 

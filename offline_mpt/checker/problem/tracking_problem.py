@@ -4,13 +4,13 @@ from fractions import Fraction
 
 from balls import Balls
 from exact import require
-from fields import (choice_of, count_of, document_of, items_of, list_of, matrix_of, number_of, number_or, range_of,
-                    require_head, require_keys, weight_of)
+from fields import (Scalar, choice_of, count_of, document_of, items_of, list_of, matrix_of, number_of, number_or,
+                    range_of, require_head, require_keys, weight_of)
 
 MOST_STEPS = 200
 # The kind of signal that a parameter of a role belongs to.
-ROLES = {"error": "states", "previous_input": "inputs", "input_reference": "inputs", "state_reference": "states",
-         "state": "states", "reference": "outputs", "disturbance": "disturbances"}
+ROLES = {"error": "states", "previous_input": "inputs", "input_reference": "inputs", "state": "states",
+         "state_reference": "states", "reference": "outputs", "disturbance": "disturbances"}
 UNBOUNDED = (None, None)
 
 # `index` is that of the state, input, output or disturbance. `value` is None for an entry of theta.
@@ -27,14 +27,14 @@ class TrackingProblem:
     def __init__(self, text):
         root = document_of(text)
         require("H" not in root, "problem: is a program in JSON, which is no problem of type tracking_mpc")
-        require_head(root, "tracking_mpc", "provenance model sampling_time horizon moves control_horizon weights "
-                                           "terminal_set constraints parameters")
+        require_head(root, "tracking_mpc", "provenance model sampling_time horizon moves control_horizon "
+                                           "weights terminal_set constraints parameters")
         self._read_model(root["model"])
         self.sampling_time = number_of(root["sampling_time"])
         require(self.sampling_time > 0, "problem: sampling_time is out of range")
         self.blocks = blocks_of(root)
         self._read_weights(root["weights"])
-        self.terminal_set = terminal_set_of(root["terminal_set"], self.size[0]) if "terminal_set" in root else []
+        self.terminal_set = terminal_set_of(root.get("terminal_set"), self.size[0])
         known = "of name unit range lower upper measured_from soft"
         self.constraints = [self._constraint(node) for node in items_of(root, "constraints", known)]
         known = "name role of unit range value"
@@ -66,17 +66,20 @@ class TrackingProblem:
         self.A, self.B, self.C = (Balls.of(matrix) for matrix in (
             matrix_of(model["A"], nx, nx), matrix_of(model["B"], nx, nu), C))
         # A model without disturbances has one without effect.
-        self.B_d = Balls.of(matrix_of(model["B_d"], nx, len(disturbances))) if disturbances else Balls.zeros(nx, 1)
+        nd = len(disturbances)
+        self.B_d = Balls.of(matrix_of(model["B_d"], nx, nd)) if nd else Balls.zeros(nx, 1)
 
     def _read_weights(self, weights):
         require_keys(weights, "Q R R_delta terminal")
         nx, nu = self.size
         self.Q, self.R = Balls.of(weight_of(weights["Q"], nx)), Balls.of(weight_of(weights["R"], nu))
-        self.R_delta = Balls.of(weight_of(weights["R_delta"], nu)) if "R_delta" in weights else Balls.zeros(nu, nu)
+        zeros = [Scalar("0")] * nu
+        self.R_delta = Balls.of(weight_of(weights.get("R_delta", zeros), nu))
         # None: that of the Riccati equation.
         is_given = isinstance(weights.get("terminal"), list)
         self.P = Balls.of(weight_of(weights["terminal"], nx)) if is_given else None
-        self.ends_at_reference = not is_given and choice_of(weights, "terminal", "riccati", "equality") == "equality"
+        choices = "riccati", "equality"
+        self.ends_at_reference = not is_given and choice_of(weights, "terminal", *choices) == "equality"
 
     def _place(self, kind, name):
         require(name in self._names[kind], f"problem: {name} is not known to this checker")
@@ -84,11 +87,11 @@ class TrackingProblem:
 
     def _constraint(self, node):
         of = node["of"]
-        terms = {name: number_of(factor) for name, factor in of.items()} if isinstance(of, dict) else {of: Fraction(1)}
+        terms = of if isinstance(of, dict) else {of: Scalar("1")}
         on = {"states": [Fraction(0)] * self.size[0], "inputs": [Fraction(0)] * self.size[1]}
         for name, factor in terms.items():
             kind = "states" if name in self._names["states"] else "inputs"
-            on[kind][self._place(kind, name)] = factor
+            on[kind][self._place(kind, name)] = number_of(factor)
         lower, upper = ends_of(node, "range")
         return Constraint(Balls.of([on["states"]]), Balls.of([on["inputs"]]),
                           any(name not in self._names["states"] for name in terms),
@@ -114,6 +117,8 @@ def named_by_states(C, states):
 
 def terminal_set_of(node, nx):
     """T e_N <= t, as pairs of rows."""
+    if node is None:
+        return []
     require_keys(node, "T t")
     T = matrix_of(node["T"], len(node["T"]), nx)
     return [(Balls.of([row]), bound) for row, bound in zip(T, list_of(node["t"], len(T)))]
