@@ -80,10 +80,8 @@ TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
 
 // No code in float is within what this filter's proof allows, so a limit of flash takes the one with the least error.
 TEST_F(ExportCommand, TheLimitOfFlashPassesGreatErrorsOver) {
-  std::string filter = text("problems/safety/double_integrator_float.yaml");
-  const std::string allowance = "error: 0.005";
-  ASSERT_TRUE(holds(filter, allowance));
-  write("tight.yaml", filter.replace(filter.find(allowance), allowance.size(), "error: 1.0e-4"));
+  write("tight.yaml",
+        replaced(text("problems/safety/double_integrator_float.yaml"), "error: 0.005", "error: 1.0e-4"));
   output("solve tight.yaml -o other.map");
   const std::string line = "export other.map -o code --name code --type float";
   const auto error = [&] {
@@ -115,9 +113,7 @@ TEST_F(ExportCommand, ChangedFunctionsAndHeadersAreRefused) {
   const auto expectChangeRefused = [&](const std::string& file, const std::string& part,
                                        const std::string& other) {
     const std::string right = text(file);
-    ASSERT_TRUE(holds(right, part));
-    std::string changed = right;
-    write(file, changed.replace(changed.find(part), part.size(), other));
+    write(file, replaced(right, part, other));
     const Outcome result = confirm();
     write(file, right);
     EXPECT_EQ(result.exit_code, 1);
@@ -136,10 +132,8 @@ TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {
 
 TEST_F(ExportCommand, AnAlteredFolderIsRefused) {
   output(exportWith("--type float"));
-  std::string code = text("code/clip.c");
-  const std::size_t law = code.find("{1.0f, 1.0f,");
-  ASSERT_NE(law, std::string::npos) << code;
-  write("code/clip.c", code.replace(law + 1, 4, "1.1f"));
+  const std::string code = text("code/clip.c");
+  write("code/clip.c", replaced(code, "{1.0f, 1.0f,", "{1.1f, 1.0f,"));
   Outcome result = confirm();
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_TRUE(holds(result.err, "refused: the error of input 0 may exceed its bound"));

@@ -36,12 +36,6 @@ std::string refusalOf(const ProvenRobust& proven, const std::string& text) {
   return refusalOf(proven.proof.certificate, proven.content, text);
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 MadeRobust withReferences() {
   MadeRobust made;
   made.horizon = 3;
