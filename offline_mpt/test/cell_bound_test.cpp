@@ -1,11 +1,12 @@
 #include "cell_bound.hpp"
 
-#include <glpk.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include "glpk_lp.hpp"
 
 namespace checker {
 namespace {
@@ -43,33 +44,18 @@ struct RandomCell {
 
   /// The greatest value by GLPK; minus infinity where it finds no point.
   double greatestByGlpk() const {
-    glp_prob* const lp = glp_create_prob();
-    glp_set_obj_dir(lp, GLP_MAX);
-    const int p = static_cast<int>(box.size());
-    glp_add_cols(lp, p);
-    for (int i = 0; i < p; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      glp_set_col_bnds(lp, i + 1, GLP_DB, box.lower[at], box.upper[at]);
-      glp_set_obj_coef(lp, i + 1, function[at]);
-    }
+    polyfly::RangedLp lp;
+    lp.maximise = true;
+    const auto p = static_cast<Eigen::Index>(box.size());
+    lp.c = Eigen::Map<const Eigen::VectorXd>(function.data(), p);
+    lp.A.resize(static_cast<Eigen::Index>(limits.size()), p);
+    for (std::size_t i = 0; i < box.size(); ++i) lp.columns.push_back({box.lower[i], box.upper[i]});
     for (std::size_t k = 0; k < limits.size(); ++k) {
-      const int row = glp_add_rows(lp, 1);
-      std::vector<int> index{0};
-      std::vector<double> value{0.0};
-      for (int i = 0; i < p; ++i) {
-        index.push_back(i + 1);
-        value.push_back(normals[k][static_cast<std::size_t>(i)]);
-      }
-      glp_set_mat_row(lp, row, p, index.data(), value.data());
-      glp_set_row_bnds(lp, row, GLP_UP, 0.0, limits[k]);
+      lp.A.row(static_cast<Eigen::Index>(k)) = Eigen::Map<const Eigen::RowVectorXd>(normals[k].data(), p);
+      lp.rows.push_back({-kInfinity, limits[k]});
     }
-    glp_smcp options;
-    glp_init_smcp(&options);
-    options.msg_lev = GLP_MSG_OFF;
-    glp_simplex(lp, &options);
-    const double greatest = glp_get_status(lp) == GLP_OPT ? glp_get_obj_val(lp) : -kInfinity;
-    glp_delete_prob(lp);
-    return greatest;
+    const polyfly::LpAnswer answer = polyfly::solveByGlpk(lp);
+    return answer.status == GLP_OPT ? answer.objective : -kInfinity;
   }
 };
 

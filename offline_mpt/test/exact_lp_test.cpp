@@ -2,14 +2,13 @@
 // by substitution alone.
 #include "offline_mpt/exact_lp.hpp"
 
-#include <glpk.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <random>
 
+#include "glpk_lp.hpp"
 #include "lp/box_maximum.hpp"
 #include "lp/float_lp.hpp"
 #include "polyfly_base/error.hpp"
@@ -50,57 +49,31 @@ ExactLp make(const Data& data) {
   return lp;
 }
 
-int glpkType(Bound type) {
-  switch (type) {
-    case Bound::kFree:
-      return GLP_FR;
-    case Bound::kLower:
-      return GLP_LO;
-    case Bound::kUpper:
-      return GLP_UP;
-    case Bound::kDouble:
-      return GLP_DB;
-    case Bound::kFixed:
-      return GLP_FX;
-  }
-  return GLP_FR;
-}
-
-/// Status and objective by GLPK's simplex without presolve.
+/// Status and objective by GLPK's simplex in rational arithmetic.
 std::pair<Status, double> solveByGlpk(const Data& data) {
-  const std::unique_ptr<glp_prob, void (*)(glp_prob*)> lp(glp_create_prob(), glp_delete_prob);
-  const int m = static_cast<int>(data.rows.size());
-  const int n = static_cast<int>(data.columns.size());
-  glp_set_obj_dir(lp.get(), data.maximise ? GLP_MAX : GLP_MIN);
-  glp_add_rows(lp.get(), m);
-  glp_add_cols(lp.get(), n);
-  const auto type = [](const Data::Line& line) {
-    return line.type == Bound::kDouble && line.lower == line.upper ? GLP_FX : glpkType(line.type);
+  const auto rangeOf = [](const Data::Line& line) {
+    LpRange range;
+    if (line.type != Bound::kFree && line.type != Bound::kUpper) range.lower = line.lower.get_d();
+    if (line.type == Bound::kUpper || line.type == Bound::kDouble) range.upper = line.upper.get_d();
+    if (line.type == Bound::kFixed) range.upper = range.lower;
+    return range;
   };
-  for (int i = 0; i < m; ++i)
-    glp_set_row_bnds(lp.get(), i + 1, type(data.rows[i]), data.rows[i].lower.get_d(),
-                     data.rows[i].upper.get_d());
-  for (int j = 0; j < n; ++j) {
-    glp_set_col_bnds(lp.get(), j + 1, type(data.columns[j]), data.columns[j].lower.get_d(),
-                     data.columns[j].upper.get_d());
-    glp_set_obj_coef(lp.get(), j + 1, data.c[j].get_d());
-    std::vector<int> index{0};
-    std::vector<double> value{0.0};
-    for (int i = 0; i < m; ++i) {
-      if (data.A[i][j] == 0) continue;
-      index.push_back(i + 1);
-      value.push_back(data.A[i][j].get_d());
-    }
-    glp_set_mat_col(lp.get(), j + 1, static_cast<int>(index.size()) - 1, index.data(), value.data());
+  RangedLp lp;
+  lp.maximise = data.maximise;
+  lp.c.resize(static_cast<Eigen::Index>(data.columns.size()));
+  lp.A.resize(static_cast<Eigen::Index>(data.rows.size()), lp.c.size());
+  for (const Data::Line& row : data.rows) lp.rows.push_back(rangeOf(row));
+  for (std::size_t j = 0; j < data.columns.size(); ++j) {
+    const auto column = static_cast<Eigen::Index>(j);
+    lp.columns.push_back(rangeOf(data.columns[j]));
+    lp.c(column) = data.c[j].get_d();
+    for (std::size_t i = 0; i < data.rows.size(); ++i)
+      lp.A(static_cast<Eigen::Index>(i), column) = data.A[i][j].get_d();
   }
-  glp_smcp options;
-  glp_init_smcp(&options);
-  options.msg_lev = GLP_MSG_OFF;
-  EXPECT_EQ(glp_simplex(lp.get(), &options), 0);
-  EXPECT_EQ(glp_exact(lp.get(), &options), 0);
-  const int status = glp_get_status(lp.get());
-  if (status == GLP_OPT) return {Status::kOptimal, glp_get_obj_val(lp.get())};
-  return {status == GLP_UNBND ? Status::kUnbounded : Status::kInfeasible, 0.0};
+  const LpAnswer answer = polyfly::solveByGlpk(lp, true);
+  EXPECT_NE(answer.status, GLP_UNDEF);
+  if (answer.status == GLP_OPT) return {Status::kOptimal, answer.objective};
+  return {answer.status == GLP_UNBND ? Status::kUnbounded : Status::kInfeasible, 0.0};
 }
 
 bool within(const Data::Line& line, const Rational& value) {

@@ -276,8 +276,7 @@ TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   const CertifyReport report = certified(content, program);
   const std::string map = bytesOf(content);
   EXPECT_EQ(refusal(report.certificate, map, kJsonProblem), "");
-  std::string other = kJsonProblem;
-  other.replace(other.find("1.5064"), 6, "1.5065");
+  const std::string other = replaced(kJsonProblem, "1.5064", "1.5065");
   EXPECT_NE(refusal(report.certificate, map, other), "");
   // The map and the certificate carry the other text, but the numbers of the first.
   MapContent relabelled = content;
@@ -290,8 +289,8 @@ TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
   const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
   const MapContent content = solved(program);
   for (const char* const ids : {"-1", "4", "0.5", "1e30"}) {
-    std::string other = kJsonProblem;
-    other.replace(other.find("\"eq_ids\": []"), 12, std::string("\"eq_ids\": [") + ids + "]");
+    const std::string other =
+        replaced(kJsonProblem, "\"eq_ids\": []", std::string("\"eq_ids\": [") + ids + "]");
     EXPECT_TRUE(holds(refusalOfText(program, content, other), "eq_ids names what is not there")) << ids;
   }
 }

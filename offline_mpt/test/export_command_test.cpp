@@ -85,9 +85,7 @@ TEST_F(ExportCommand, ChangedFunctionsAndHeadersAreRefused) {
   const auto expectChangeRefused = [&](const std::string& file, const std::string& part,
                                        const std::string& other) {
     const std::string right = text(file);
-    ASSERT_TRUE(holds(right, part));
-    std::string changed = right;
-    write(file, changed.replace(changed.find(part), part.size(), other));
+    write(file, replaced(right, part, other));
     const Outcome result = confirm();
     write(file, right);
     EXPECT_EQ(result.exit_code, 1);
@@ -106,10 +104,8 @@ TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {
 
 TEST_F(ExportCommand, AnAlteredFolderIsRefused) {
   output(exportWith("--type float"));
-  std::string code = text("code/clip.c");
-  const std::size_t law = code.find("{1.0f, 1.0f,");
-  ASSERT_NE(law, std::string::npos) << code;
-  write("code/clip.c", code.replace(law + 1, 4, "1.1f"));
+  const std::string code = text("code/clip.c");
+  write("code/clip.c", replaced(code, "{1.0f, 1.0f,", "{1.1f, 1.0f,"));
   Outcome result = confirm();
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_TRUE(holds(result.err, "refused: the error of input 0 may exceed its bound"));

@@ -93,14 +93,4 @@ inline ExportBound provenBound(const checker::ExportedAnswers& answers, const ch
   return {answers.error, answers.margin, {work.sums, work.comparisons}, {}};
 }
 
-/// What the checker says to the action: why it refuses, or "confirmed".
-inline std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const checker::Refused& refused) {
-    return refused.what();
-  }
-  return "confirmed";
-}
-
 }  // namespace polyfly

@@ -10,6 +10,8 @@
 
 #include "compiled_code.hpp"
 #include "exported_map.hpp"
+#include "holds.hpp"
+#include "refusal_of.hpp"
 #include "test_points.hpp"
 
 namespace polyfly {
@@ -160,11 +162,11 @@ TEST(LookupWork, FactsThatStateLessAreRefused) {
     const ExportBound bound = {answers.error, answers.margin, stated, {}};
     const std::string facts = exportFacts(made.map, floatOptions(), bound);
     const std::string header = exportHeader(made.map, floatOptions(), bound);
-    return refusal([&] { checker::confirmExport(facts, code, header, map); });
+    return refusalOf([&] { checker::confirmExport(facts, code, header, map); });
   };
-  EXPECT_EQ(verdict({work.sums, work.comparisons}), "confirmed");
-  EXPECT_NE(verdict({work.sums - 1, work.comparisons}).find("multiply_adds"), std::string::npos);
-  EXPECT_NE(verdict({work.sums, work.comparisons - 1}).find("comparisons"), std::string::npos);
+  EXPECT_EQ(verdict({work.sums, work.comparisons}), "");
+  EXPECT_TRUE(holds(verdict({work.sums - 1, work.comparisons}), "multiply_adds"));
+  EXPECT_TRUE(holds(verdict({work.sums, work.comparisons - 1}), "comparisons"));
 }
 
 }  // namespace

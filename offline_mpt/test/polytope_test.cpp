@@ -1,13 +1,14 @@
 // The small linear programs against GLPK.
 #include "lp/polytope.hpp"
 
-#include <glpk.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
+#include "glpk_lp.hpp"
 #include "lp/rational_polytope.hpp"
 #include "lp/tolerances.hpp"
 #include "polyfly_base/error.hpp"
@@ -25,6 +26,10 @@ struct Rows {
 
   int count() const { return static_cast<int>(data.size()) / (n + 1); }
   const double* row(int i) const { return data.data() + static_cast<std::ptrdiff_t>(i) * (n + 1); }
+
+  double slack(int i, const double* point) const {
+    return row(i)[n] - std::inner_product(point, point + n, row(i), 0.0);
+  }
 
   void add(const std::vector<double>& a, double b) {
     double squared = 0.0;
@@ -46,50 +51,28 @@ Rows box(int n, double half) {
   return rows;
 }
 
-/// max objective . (t, r) subject to the rows except `skip`; the rows' coefficient of r is `lift`.
-double glpkMaximum(const Rows& rows, const std::vector<double>& objective, double lift, int skip,
-                   bool& feasible) {
-  glp_term_out(GLP_OFF);
-  glp_prob* lp = glp_create_prob();
-  glp_set_obj_dir(lp, GLP_MAX);
-  glp_add_rows(lp, rows.count());
-  glp_add_cols(lp, rows.n + 1);
-  for (int j = 0; j <= rows.n; ++j) {
-    glp_set_col_bnds(lp, j + 1, GLP_FR, 0.0, 0.0);
-    glp_set_obj_coef(lp, j + 1, objective[j]);
-  }
-  if (lift == 0.0) glp_set_col_bnds(lp, rows.n + 1, GLP_FX, 0.0, 0.0);
-  for (int i = 0; i < rows.count(); ++i) {
-    std::vector<int> index{0};
-    std::vector<double> value{0.0};
-    for (int j = 0; j < rows.n; ++j) {
-      index.push_back(j + 1);
-      value.push_back(rows.row(i)[j]);
-    }
-    index.push_back(rows.n + 1);
-    value.push_back(lift);
-    glp_set_mat_row(lp, i + 1, rows.n + 1, index.data(), value.data());
-    // the skipped row may be exceeded a little, so that the program stays bounded
-    glp_set_row_bnds(lp, i + 1, GLP_UP, 0.0, rows.row(i)[rows.n] + (i == skip ? 1.0 : 0.0));
-  }
-  glp_smcp parameters;
-  glp_init_smcp(&parameters);
-  parameters.tol_bnd = parameters.tol_dj = 1e-10;
-  glp_simplex(lp, &parameters);
-  feasible = glp_get_status(lp) == GLP_OPT;
-  const double best = glp_get_obj_val(lp);
-  glp_delete_prob(lp);
-  return best;
+/// The greatest objective . t within the rows; with one number more in the objective that of (t, r), where r is added to each
+/// row. The row `loosened` may be exceeded a little, so that the program stays bounded.
+double glpkMaximum(const Rows& rows, const std::vector<double>& objective, int loosened = -1) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Map<const RowMajor> all(rows.data.data(), rows.count(), rows.n + 1);
+  RangedLp lp;
+  lp.maximise = true;
+  lp.tolerance = 1e-10;
+  lp.c = Eigen::Map<const Eigen::VectorXd>(objective.data(), static_cast<Eigen::Index>(objective.size()));
+  lp.A = Eigen::MatrixXd::Ones(all.rows(), lp.c.size());
+  lp.A.leftCols(rows.n) = all.leftCols(rows.n);
+  lp.columns.resize(objective.size());
+  for (int i = 0; i < rows.count(); ++i)
+    lp.rows.emplace_back().upper = all(i, rows.n) + (i == loosened ? 1.0 : 0.0);
+  const LpAnswer answer = solveByGlpk(lp);
+  EXPECT_EQ(answer.status, GLP_OPT);
+  return answer.objective;
 }
 
 /// How far row i can be exceeded when the others hold.
 double excess(const Rows& rows, int i) {
-  std::vector<double> objective(rows.row(i), rows.row(i) + rows.n);
-  objective.push_back(0.0);
-  bool feasible = false;
-  const double best = glpkMaximum(rows, objective, 0.0, i, feasible);
-  EXPECT_TRUE(feasible);
-  return best - rows.row(i)[rows.n];
+  return glpkMaximum(rows, {rows.row(i), rows.row(i) + rows.n}, i) - rows.row(i)[rows.n];
 }
 
 /// The box [-1, 1]^n with `cuts` more rows, which leave `least` to `most` between them and the origin.
@@ -112,8 +95,7 @@ Rows randomPolytope(int n, int cuts, std::mt19937_64& random, double least = 0.3
 double largestRadius(const Rows& rows) {
   std::vector<double> objective(static_cast<std::size_t>(rows.n), 0.0);
   objective.push_back(1.0);
-  bool feasible = false;
-  return glpkMaximum(rows, objective, 1.0, -1, feasible);
+  return glpkMaximum(rows, objective);
 }
 
 class PolytopeOracle : public ::testing::TestWithParam<int> {};
@@ -142,11 +124,7 @@ TEST_P(PolytopeOracle, InscribedBallInTheBoxIsTheLargestOrHopeless) {
     }
     ++found;
     EXPECT_NEAR(radius, largest, kAgreement);
-    for (int i = 0; i < rows.count(); ++i) {
-      double slack = rows.row(i)[n];
-      for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * centre[j];
-      EXPECT_GE(slack, radius - 1e-12);
-    }
+    for (int i = 0; i < rows.count(); ++i) EXPECT_GE(rows.slack(i, centre.data()), radius - 1e-12);
   }
   EXPECT_GT(found, 15);
   EXPECT_GT(hopeless, 15);
@@ -162,11 +140,7 @@ TEST_P(PolytopeOracle, InscribedBallIsTheLargest) {
     double radius = 0.0;
     ASSERT_TRUE(solver.chebyshev(rows.data.data(), rows.count(), centre.data(), radius));
     EXPECT_NEAR(radius, largestRadius(rows), kAgreement);
-    for (int i = 0; i < rows.count(); ++i) {
-      double slack = rows.row(i)[n];
-      for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * centre[j];
-      EXPECT_GE(slack, radius - 1e-12);
-    }
+    for (int i = 0; i < rows.count(); ++i) EXPECT_GE(rows.slack(i, centre.data()), radius - 1e-12);
   }
 }
 
@@ -195,12 +169,10 @@ TEST_P(PolytopeOracle, MinimalRowsAreThoseThatCanBeExceededAlone) {
     for (std::size_t f = 0; f < minimal.facets.size(); ++f) {
       const double* point = minimal.beyond.data() + f * n;
       for (const int i : minimal.facets) {
-        double slack = rows.row(i)[n];
-        for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * point[j];
         if (i == minimal.facets[f]) {
-          EXPECT_LT(slack, 0.0);
+          EXPECT_LT(rows.slack(i, point), 0.0);
         } else {
-          EXPECT_GE(slack, -1e-10);
+          EXPECT_GE(rows.slack(i, point), -1e-10);
         }
       }
     }
@@ -271,11 +243,7 @@ TEST_P(PolytopeOracle, LeftOutRowsHoldWithinTheExcessOfLooseRows) {
     for (int i = 0; i < rows.count(); ++i) {
       if (is_asked[i] == 0 || is_needed[i] != 0) continue;
       ++left_out;
-      std::vector<double> objective(rows.row(i), rows.row(i) + n);
-      objective.push_back(0.0);
-      bool feasible = false;
-      const double beyond = glpkMaximum(moved, objective, 0.0, -1, feasible) - rows.row(i)[n];
-      ASSERT_TRUE(feasible);
+      const double beyond = glpkMaximum(moved, {rows.row(i), rows.row(i) + n}) - rows.row(i)[n];
       EXPECT_LE(beyond, minimal.excess * kAmount + kAgreement) << "round " << round << " row " << i;
     }
   }
@@ -352,16 +320,14 @@ TEST(Polytope, RowsThatAreLeftOutAreViolatedByTheToleranceAtMost) {
         std::vector<double> point(n);
         ASSERT_TRUE(maximiseRationally(n, needed.data.data(), needed.count(), interior.data(), rows.row(i),
                                        point.data()));
-        double violation = -rows.row(i)[n];
-        for (int j = 0; j < n; ++j) violation += rows.row(i)[j] * point[j];
+        const double violation = -rows.slack(i, point.data());
         EXPECT_LE(violation, 1.001 * kLittle) << n << " " << round << " " << i;
         left_out += violation > 0.1 * kLittle ? 1 : 0;
       }
       for (std::size_t k = 0; k < minimal.facets.size(); ++k) {
         const double* const point = minimal.beyond.data() + k * static_cast<std::size_t>(n);
         for (const int other : minimal.facets) {
-          double violation = -rows.row(other)[n];
-          for (int j = 0; j < n; ++j) violation += rows.row(other)[j] * point[j];
+          const double violation = -rows.slack(other, point);
           if (other == minimal.facets[k])
             EXPECT_GT(violation, kLittle) << n << " " << round << " " << other;
           else

@@ -44,9 +44,7 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenAndReduced) {
 }
 
 TEST_F(ProblemCommands, SolveWarnsOfASlackForEachStage) {
-  std::string stages = text(kSpeedLimit);
-  const std::string shared = ", slack: horizon";
-  write("stages.yaml", stages.replace(stages.find(shared), shared.size(), ""));
+  write("stages.yaml", replaced(text(kSpeedLimit), ", slack: horizon", ""));
   // The generic form keeps the names of the slacks.
   output("condense stages.yaml -o stages.json");
   for (const std::string file : {"stages.yaml", "stages.json"})

@@ -44,6 +44,8 @@ void expectRefuted(const MapContent& changed) {
 /// What the checker says of a right certificate.
 std::string confirmed(const ProvenRobust& proven) {
   EXPECT_TRUE(proven.proof.passed()) << proofText(proven.solved.problem, proven.proof);
+  EXPECT_LT(proven.proof.law_error, 1e-11);  // in the whole box
+  EXPECT_LT(proven.proof.plane_error, 1e-12);
   const checker::Map map(bytesOf(proven.content));
   const auto certificate = checker::readMapCertificate(proven.proof.certificate, map);
   checker::compareProblem(*certificate, map, proven.solved.problem.text);
@@ -55,7 +57,7 @@ TEST(RobustCertificate, RightMapsAreConfirmed) {
   std::vector<MadeRobust> made(6, smallRobust());
   made[1].stack = "shift";
   made[1].torque = true;
-  made[2] = twoStates();
+  made[2].states = 2;
   made[2].floor = "0.05";
   made[3].bounded_position = true;
   made[3].invariance = "first_step";

@@ -3,27 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include "error_of.hpp"
+#include "holds.hpp"
 #include "made_robust.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "polyfly_base/error.hpp"
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
 namespace {
 
-std::string errorOf(const std::string& text) {
-  try {
-    buildRobustProgram(parseRobustProblem(text, "robust.yaml"));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+std::string errorIn(const std::string& text) {
+  return errorOf([&] { buildRobustProgram(parseRobustProblem(text, "robust.yaml")); });
 }
 
 TEST(RobustProblem, IsReadAsItIsWritten) {
@@ -63,14 +53,14 @@ TEST(RobustProblem, TheDelayIsTheControllersAlone) {
   const std::string with = replaced(text, "model:\n", "model:\n  delay: 0.06\n");
   EXPECT_EQ(parseRobustProblem(with, "a").A(1, 2), parseRobustProblem(text, "a").A(1, 2));
   EXPECT_EQ(parseFlightModel(with, "a").delay, 0.06);
-  EXPECT_NE(errorOf(replaced(text, "model:\n", "model:\n  delay: 0.6\n"))
+  EXPECT_NE(errorIn(replaced(text, "model:\n", "model:\n  delay: 0.6\n"))
                 .find("model.delay: must be from 0 to 0.5 s"),
             std::string::npos);
 }
 
 TEST(RobustProblem, RefusesWithFileFieldAndRule) {
   const std::string good = MadeRobust().text();
-  EXPECT_EQ(errorOf(good), "no error");
+  EXPECT_EQ(errorIn(good), "no error");
   struct Case {
     const char* from;
     const char* to;
@@ -100,7 +90,7 @@ TEST(RobustProblem, RefusesWithFileFieldAndRule) {
        "must be m/s as for 'v'"},
   };
   for (const Case& refused : cases) {
-    const std::string message = errorOf(replaced(good, refused.from, refused.to));
+    const std::string message = errorIn(replaced(good, refused.from, refused.to));
     EXPECT_EQ(message.find("robust.yaml:"), 0u) << message;
     EXPECT_NE(message.find(refused.message), std::string::npos) << refused.to << ": " << message;
   }
@@ -109,14 +99,14 @@ TEST(RobustProblem, RefusesWithFileFieldAndRule) {
 TEST(RobustProblem, InvarianceNeedsBoundsAndASet) {
   MadeRobust made;
   made.invariance = "first_step";
-  EXPECT_EQ(errorOf(made.text()), "no error");
+  EXPECT_EQ(errorIn(made.text()), "no error");
   MadeRobust windy = made;
   windy.disturbance = "[-9, 9]";
-  EXPECT_NE(errorOf(windy.text()).find("invariance: no state within the bounds can be kept"),
+  EXPECT_NE(errorIn(windy.text()).find("invariance: no state within the bounds can be kept"),
             std::string::npos);
   const std::string unbounded =
       replaced(made.text(), "name: phi, unit: rad, range: [-0.35, 0.35]", "name: phi, unit: rad");
-  EXPECT_NE(errorOf(unbounded).find("'phi' must have a range"), std::string::npos);
+  EXPECT_NE(errorIn(unbounded).find("'phi' must have a range"), std::string::npos);
 }
 
 TEST(RobustProblem, KnowsItsType) {

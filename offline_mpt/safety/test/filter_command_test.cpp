@@ -9,12 +9,6 @@
 namespace polyfly {
 namespace {
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return place == std::string::npos ? text : text.replace(place, from.size(), to);
-}
-
 class FilterCommand : public ToolTest {
  protected:
   /// Runs a program of the system, the first of the words.

@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "error_of.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/load_yaml.hpp"
 #include "polyfly_base/options_from_yaml.hpp"
@@ -113,53 +114,50 @@ TEST(OptionsText, NumbersAreNumbersOfYaml11) {
   }
 }
 
-std::string errorOf(const std::string& text) {
-  try {
+std::string errorIn(const std::string& text) {
+  return errorOf([&] {
     Made made;
     OptionsFromYaml reader(text, "made.yaml");
     visitMade(made, reader);
     reader.refuseUnknownKeys({"vehicle", "node"});
     reader.refuseUnknownGroups({"vehicle", "node"}, {"name"});
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(OptionsFromYaml, RefusesByLineKeyAndRule) {
-  EXPECT_EQ(errorOf("vehicle: {mass: 2}\n"), "");
-  EXPECT_EQ(errorOf("name: x\nvehicle: {mass: 2000}\n"),
+  EXPECT_EQ(errorIn("vehicle: {mass: 2}\n"), "no error");
+  EXPECT_EQ(errorIn("name: x\nvehicle: {mass: 2000}\n"),
             "made.yaml:2: vehicle/mass: must lie in [0.01, 1000] kg, got 2000");
-  EXPECT_EQ(errorOf("vehicle: {mass: .nan}\n"),
+  EXPECT_EQ(errorIn("vehicle: {mass: .nan}\n"),
             "made.yaml:1: vehicle/mass: must be a number (decimal digits, without leading zeros)");
-  EXPECT_EQ(errorOf("vehicle: {mass: heavy}\n"),
+  EXPECT_EQ(errorIn("vehicle: {mass: heavy}\n"),
             "made.yaml:1: vehicle/mass: must be a number (decimal digits, without leading zeros)");
-  EXPECT_EQ(errorOf("node: {periods: 2.5}\n"), "made.yaml:1: node/periods: must be a whole number");
-  EXPECT_EQ(errorOf("node: {active: 3}\n"), "made.yaml:1: node/active: must be true or false");
-  EXPECT_EQ(errorOf("node: {list: [a]}\n"),
+  EXPECT_EQ(errorIn("node: {periods: 2.5}\n"), "made.yaml:1: node/periods: must be a whole number");
+  EXPECT_EQ(errorIn("node: {active: 3}\n"), "made.yaml:1: node/active: must be true or false");
+  EXPECT_EQ(errorIn("node: {list: [a]}\n"),
             "made.yaml:1: node/list: must be a number (decimal digits, without leading zeros)");
-  EXPECT_EQ(errorOf("name: \"\"\n"), "made.yaml:1: name: must be a text that is not empty");
-  EXPECT_EQ(errorOf("node: {odd: 1}\n"), "made.yaml:1: node/odd: unknown key");
-  EXPECT_EQ(errorOf("vehicle: 3\n"), "made.yaml:1: vehicle: must be a map");
-  EXPECT_EQ(errorOf("vehicel: {mass: 1}\n"), "made.yaml:1: vehicel: unknown group; is 'vehicle' meant?");
-  EXPECT_EQ(errorOf("- 1\n"), "made.yaml: must be a map with the groups of a node's options");
+  EXPECT_EQ(errorIn("name: \"\"\n"), "made.yaml:1: name: must be a text that is not empty");
+  EXPECT_EQ(errorIn("node: {odd: 1}\n"), "made.yaml:1: node/odd: unknown key");
+  EXPECT_EQ(errorIn("vehicle: 3\n"), "made.yaml:1: vehicle: must be a map");
+  EXPECT_EQ(errorIn("vehicel: {mass: 1}\n"), "made.yaml:1: vehicel: unknown group; is 'vehicle' meant?");
+  EXPECT_EQ(errorIn("- 1\n"), "made.yaml: must be a map with the groups of a node's options");
 }
 
 // yaml-cpp 0.6 grows without end on these, and each version ends at a control character.
 TEST(LoadYaml, TextsOnWhichAParserNeverEndsAreRefused) {
   const std::string rule = "must have a space or a line break between ':' and ']' or the end";
   for (const char* const text : {"\n[a:]\n", "\n{a: [b, c:]}\n", "\n{a: {b:", "\n[:", "\nname: x:"})
-    EXPECT_EQ(errorOf(text), "made.yaml:2: file: " + rule) << text;
+    EXPECT_EQ(errorIn(text), "made.yaml:2: file: " + rule) << text;
   const std::string controls = "made.yaml:3: file: must be UTF-8 without control characters";
-  EXPECT_EQ(errorOf("name: x\n\n\4odd: 1\n"), controls);
-  EXPECT_EQ(errorOf("name: x\n\n" + std::string(1, '\0')), controls);
+  EXPECT_EQ(errorIn("name: x\n\n\4odd: 1\n"), controls);
+  EXPECT_EQ(errorIn("name: x\n\n" + std::string(1, '\0')), controls);
   EXPECT_EQ(loadYaml("a: [b, {c: }]\r\nd:\t1\n", "made.yaml")["a"].size(), 2u);
 }
 
 // Whoever walks through it would never come to an end.
 TEST(LoadYaml, AnAliasOfWhatHoldsItIsRefused) {
   for (const char* const text : {"a: &x [1, *x]\n", "a: &x {b: [*x]}\n", "&x [[*x]]\n"})
-    EXPECT_EQ(errorOf(text), "made.yaml:1: file: is not valid YAML: an alias of what holds it") << text;
+    EXPECT_EQ(errorIn(text), "made.yaml:1: file: is not valid YAML: an alias of what holds it") << text;
   EXPECT_EQ(loadYaml("a: &x [1, 2]\nb: *x\n", "made.yaml")["b"].size(), 2u);
 }
 

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "polyfly_base/error.hpp"
+#include "error_of.hpp"
 #include "scratch_folder.hpp"
 
 namespace polyfly {
@@ -19,14 +19,8 @@ using Folder = Output::Folder;
 const char* const kTaken = ": is read or written by this command already: the output needs a name of its own";
 const char* const kNoFile = ": must be a file, not a device, a FIFO or the standard output";
 
-/// The text of the error; empty if there is none.
 std::string refusal(const std::vector<Output>& outputs, const std::vector<std::string>& inputs = {}) {
-  try {
-    checkOutputs(outputs, inputs);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return errorOf([&] { checkOutputs(outputs, inputs); });
 }
 
 class Outputs : public testing::Test {
@@ -38,7 +32,7 @@ class Outputs : public testing::Test {
 };
 
 TEST_F(Outputs, LeaveNothingBehind) {
-  EXPECT_EQ(refusal({{path("new")}, {path("map"), Kind::kFile}, {""}}, {input_, ""}), "");
+  EXPECT_EQ(refusal({{path("new")}, {path("map"), Kind::kFile}, {""}}, {input_, ""}), "no error");
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"input"});
 }
 
@@ -58,15 +52,16 @@ TEST_F(Outputs, AreDifferentFilesBeforeTheyExist) {
     EXPECT_EQ(refusal({{path("new")}, {path(name)}}), path(name) + kTaken);
   EXPECT_EQ(refusal({{path("report/new"), Kind::kText, Folder::kIsMade}, {path("report/./new")}}),
             path("report/./new") + kTaken);
-  EXPECT_EQ(refusal({{path("new")}, {path("newer")}}), "");
+  EXPECT_EQ(refusal({{path("new")}, {path("newer")}}), "no error");
 }
 
 TEST_F(Outputs, OfTextMayBeAFifoOrADevice) {
   ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
-  EXPECT_EQ(refusal({{path("fifo")}}), "");
+  EXPECT_EQ(refusal({{path("fifo")}}), "no error");
   EXPECT_EQ(refusal({{path("fifo"), Kind::kFile}}), path("fifo") + kNoFile);
   fs::create_symlink("/dev/full", path("link"));
-  EXPECT_EQ(refusal({{path("link")}, {path("link")}}, {"/dev/full"}), "") << "a device is not used up";
+  EXPECT_EQ(refusal({{path("link")}, {path("link")}}, {"/dev/full"}), "no error")
+      << "a device is not used up";
   EXPECT_EQ(refusal({{path("link"), Kind::kFile}}), path("link") + kNoFile);
   EXPECT_TRUE(fs::is_fifo(path("fifo")));
 }
@@ -90,11 +85,12 @@ TEST_F(Outputs, NeedTheirFolder) {
 
 TEST_F(Outputs, OfAReportNeedAPlaceForItsFolder) {
   fs::create_symlink("nowhere", path("link"));
-  EXPECT_EQ(refusal({{path("a/b/index.html"), Kind::kText, Folder::kIsMade}}), "");
+  EXPECT_EQ(refusal({{path("a/b/index.html"), Kind::kText, Folder::kIsMade}}), "no error");
   EXPECT_FALSE(fs::exists(path("a")));
-  EXPECT_EQ(refusal({{path("a/b/index.html"), Kind::kText, Folder::kIsMade}, {path("./a/other")}}), "");
-  EXPECT_NE(refusal({{path("a/other")}, {path("a/b/index.html"), Kind::kText, Folder::kIsMade}}), "");
-  EXPECT_NE(refusal({{path("a/index.html"), Kind::kText, Folder::kIsMade}, {path("a/b/other")}}), "");
+  EXPECT_EQ(refusal({{path("a/b/index.html"), Kind::kText, Folder::kIsMade}, {path("./a/other")}}),
+            "no error");
+  EXPECT_NE(refusal({{path("a/other")}, {path("a/b/index.html"), Kind::kText, Folder::kIsMade}}), "no error");
+  EXPECT_NE(refusal({{path("a/index.html"), Kind::kText, Folder::kIsMade}, {path("a/b/other")}}), "no error");
   for (const std::string name : {"input", "link"}) {
     const std::string page = path(name) + "/deeper/index.html";
     EXPECT_EQ(refusal({{page, Kind::kText, Folder::kIsMade}}),
@@ -106,8 +102,8 @@ TEST_F(Outputs, NeedAFolderThatMayBeWritten) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   fs::create_directory(path("closed"));
   ASSERT_EQ(::chmod(path("closed").c_str(), 0555), 0);
-  EXPECT_NE(refusal({{path("closed/file")}}), "");
-  EXPECT_NE(refusal({{path("closed/report/index.html"), Kind::kText, Folder::kIsMade}}), "");
+  EXPECT_NE(refusal({{path("closed/file")}}), "no error");
+  EXPECT_NE(refusal({{path("closed/report/index.html"), Kind::kText, Folder::kIsMade}}), "no error");
 }
 
 TEST_F(Outputs, AreTriedWithTheNameOfTheirDraft) {

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "polyfly_base/error.hpp"
+#include "error_of.hpp"
 #include "region_maps/format.hpp"
 #include "scratch_folder.hpp"
 
@@ -33,12 +33,7 @@ class ReadFile : public testing::Test {
 
   /// What is said about a file that `change` was done to after it was opened.
   std::string refusal(const std::function<void()>& change) const {
-    try {
-      readFile(path_, [&](const void*, std::uint64_t) { change(); });
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return errorOf([&] { readFile(path_, [&](const void*, std::uint64_t) { change(); }); });
   }
 
   const ScratchFolder folder_;

@@ -14,6 +14,7 @@
 #include <limits>
 #include <utility>
 
+#include "error_of.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/file_draft.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -177,13 +178,7 @@ TEST(LayOut, RefusesContentThatBreaksARule) {
   for (const auto& test : cases) {
     MapContent map = makeSmallMap();
     test.change(map);
-    try {
-      layOut(map);
-      ADD_FAILURE() << "accepted: " << test.reason;
-    } catch (const Error& error) {
-      EXPECT_EQ(std::string(error.what()).find(test.reason), 0u)
-          << error.what() << "\nexpected: " << test.reason;
-    }
+    EXPECT_EQ(errorOf([&] { layOut(map); }).rfind(test.reason, 0), 0u) << test.reason;
   }
 }
 
@@ -216,14 +211,8 @@ TEST(WriteMap, BadContentLeavesTheOldFile) {
   EXPECT_EQ(folder.names().size(), 1u);
 }
 
-/// The text of the error; empty if the file was written.
 std::string writeError(const std::string& path, const Bytes& bytes) {
-  try {
-    writeFileAtomically(path, bytes);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return errorOf([&] { writeFileAtomically(path, bytes); });
 }
 
 TEST(WriteFileAtomically, WritesShortAndEmptyFiles) {
@@ -241,7 +230,7 @@ TEST(WriteFileAtomically, WritesIntoTheWorkingFolder) {
   std::filesystem::current_path(folder.file(""));
   const std::string error = writeError("plain", Bytes(5, std::byte{1}));
   std::filesystem::current_path(old);
-  EXPECT_EQ(error, "");
+  EXPECT_EQ(error, "no error");
   EXPECT_EQ(readBytes(folder.file("plain")).size(), 5u);
 }
 
@@ -295,7 +284,7 @@ TEST(WriteFileAtomically, StepsAroundALeftOver) {
   const ScratchFolder folder;
   const std::string left_over = "a.map.tmp-" + std::to_string(::getpid()) + "-0";
   folder.save(left_over, Bytes(3));
-  EXPECT_EQ(writeError(folder.file("a.map"), Bytes(5, std::byte{1})), "");
+  EXPECT_EQ(writeError(folder.file("a.map"), Bytes(5, std::byte{1})), "no error");
   EXPECT_EQ(readBytes(folder.file(left_over)), Bytes(3));
   EXPECT_EQ(readBytes(folder.file("a.map")).size(), 5u);
   EXPECT_EQ(folder.names().size(), 2u);
@@ -353,13 +342,8 @@ TEST(WriteFileAtomically, WritesATextIntoADevice) {
 TEST(WriteFileAtomically, SaysThatADeviceIsFull) {
   const ScratchFolder folder;
   std::filesystem::create_symlink("/dev/full", folder.file("link"));
-  std::string error;
-  try {
-    writeFileAtomically(folder.file("link"), "text");
-  } catch (const Error& thrown) {
-    error = thrown.what();
-  }
-  EXPECT_EQ(error, folder.file("link") + ": cannot be written: No space left on device");
+  EXPECT_EQ(errorOf([&] { writeFileAtomically(folder.file("link"), "text"); }),
+            folder.file("link") + ": cannot be written: No space left on device");
 }
 
 TEST(WriteFileAtomically, WritesNoBytesIntoAFifo) {
@@ -378,7 +362,7 @@ TEST(WriteFileAtomically, ReplacesTheFileBehindLinks) {
   std::filesystem::create_symlink(target, folder.file("inner"));
   std::filesystem::create_symlink("inner", folder.file("outer"));
   const Bytes bytes(100, std::byte{2});
-  EXPECT_EQ(writeError(folder.file("outer"), bytes), "");
+  EXPECT_EQ(writeError(folder.file("outer"), bytes), "no error");
   EXPECT_EQ(readBytes(target), bytes);
   EXPECT_EQ(std::filesystem::read_symlink(folder.file("outer")), "inner");
   EXPECT_EQ(std::filesystem::read_symlink(folder.file("inner")), target);
@@ -388,7 +372,7 @@ TEST(WriteFileAtomically, ReplacesTheFileBehindLinks) {
 TEST(WriteFileAtomically, MakesWhatALinkLeadsTo) {
   const ScratchFolder folder;
   std::filesystem::create_symlink("new", folder.file("link"));
-  EXPECT_EQ(writeError(folder.file("link"), Bytes(5)), "");
+  EXPECT_EQ(writeError(folder.file("link"), Bytes(5)), "no error");
   EXPECT_EQ(readBytes(folder.file("new")), Bytes(5));
   EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
   std::filesystem::create_symlink("circle", folder.file("circle"));
@@ -400,7 +384,7 @@ TEST(WriteFileAtomically, LeavesWhoMayReadAFile) {
   const ScratchFolder folder;
   const std::string path = folder.save("private", Bytes(3));
   ASSERT_EQ(::chmod(path.c_str(), 0640), 0);
-  EXPECT_EQ(writeError(path, Bytes(5)), "");
+  EXPECT_EQ(writeError(path, Bytes(5)), "no error");
   struct stat info = {};
   ASSERT_EQ(::stat(path.c_str(), &info), 0);
   EXPECT_EQ(info.st_mode & 0777u, 0640u);
@@ -431,8 +415,7 @@ TEST(WriteFileAtomically, AppendsToTheFileOfTheStandardOutput) {
   ::dup2(before, STDOUT_FILENO);
   ::close(before);
   ::close(out);
-  const Bytes bytes = readBytes(path);
-  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), "before text after");
+  EXPECT_EQ(fileText(path), "before text after");
   EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
 }
 

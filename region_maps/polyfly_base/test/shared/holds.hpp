@@ -13,4 +13,11 @@ inline testing::AssertionResult holds(const std::string& text, const std::string
   return testing::AssertionFailure() << "no '" << part << "' in: " << text;
 }
 
+/// The text with a part of it replaced.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  EXPECT_TRUE(holds(text, from));
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
 }  // namespace polyfly
