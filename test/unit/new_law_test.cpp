@@ -88,7 +88,7 @@ std::vector<LawType> typesWithDamped() {
   return types;
 }
 
-LawInputs inputs(const std::vector<LawType>& types) {
+LawInputs inputs() {
   LawInputs inputs;
   inputs.problems = shippedProblems();
   return inputs;
@@ -121,7 +121,7 @@ double fly(LawSwitch& laws, const OnSample& on_sample) {
 TEST(NewLaw, IsRegisteredByOneLineAndFlies) {
   const std::vector<LawType> types = typesWithDamped();
   const Law damped = static_cast<Law>(types.size() - 1);
-  const std::unique_ptr<LawSwitch> laws = makeLaws(types, inputs(types), damped);
+  const std::unique_ptr<LawSwitch> laws = makeLaws(types, inputs(), damped);
   EXPECT_EQ(laws->active(), damped);
   EXPECT_LT(fly(*laws, [](int, VehicleState&) {}), 0.3);
   EXPECT_EQ(laws->report().status, ControlStatus::kOptimal);
@@ -130,7 +130,7 @@ TEST(NewLaw, IsRegisteredByOneLineAndFlies) {
 TEST(NewLaw, IsSwitchedToAndFrom) {
   const std::vector<LawType> types = typesWithDamped();
   const Law damped = static_cast<Law>(types.size() - 1);
-  const std::unique_ptr<LawSwitch> laws = makeLaws(types, inputs(types), lawOfName("linear"));
+  const std::unique_ptr<LawSwitch> laws = makeLaws(types, inputs(), lawOfName("linear"));
   std::set<Law> flown;
   const double greatest = fly(*laws, [&](int sample, VehicleState&) {
     if (sample % 300 == 299) laws->select(laws->active() == damped ? lawOfName("nonlinear") : damped);
@@ -143,7 +143,7 @@ TEST(NewLaw, IsSwitchedToAndFrom) {
 // The law says no more than that it has no answer.
 TEST(NewLaw, HasTheFallbackOfAllLaws) {
   const std::vector<LawType> types = typesWithDamped();
-  const std::unique_ptr<LawSwitch> laws = makeLaws(types, inputs(types), static_cast<Law>(types.size() - 1));
+  const std::unique_ptr<LawSwitch> laws = makeLaws(types, inputs(), static_cast<Law>(types.size() - 1));
   const MultirotorOptions options;
   const int level = options.hold_periods + options.level_periods;
   const int descend = level + options.descend_periods;
@@ -172,7 +172,7 @@ TEST(NewLaw, HasTheFallbackOfAllLaws) {
 TEST(NewLaw, IsMissedByNameWhereItCannotBeMade) {
   const std::vector<LawType>& types = lawTypes();
   try {
-    makeLaws(types, inputs(types), lawOfName("explicit_linear"));
+    makeLaws(types, inputs(), lawOfName("explicit_linear"));
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()), "law: explicit_linear is not there to fly with");
